@@ -75,13 +75,13 @@ def drop(world: str, robot: str = "go2", height: float = 0.3, seconds: float = 4
         normals.append(reading.forces[:, 2].sum())
         deepest = min(deepest, float(reading.gaps.min()))
         contacts = max(contacts, int((reading.forces[:, 2] > 0.0).sum()))
-        given += float(step.torques @ (made.state()[0] - step.q)[7:])
+        given += float(step.torques @ (made.q_v()[0] - step.q)[7:])
         excess = max(excess, made.energy() - energy - given) if world == "rigid" else np.nan
     resting = np.array(normals[-SETTLED:]) / (model.mass * GRAVITY)
     return DropResult(
         world, wall, Timing.of([s.simulation for s in timed]), Timing.of([s.controller for s in timed]),
         contacts, float(np.abs(resting - 1.0).max()), max(0.0, -deepest), float(excess),
-        float(np.abs(made.state()[1]).max()),
+        float(np.abs(made.q_v()[1]).max()),
     )  # fmt: skip
 
 
@@ -107,7 +107,7 @@ def _steps(made: Any, controller: StandingController, seconds: float) -> Iterato
     """Take steps for so long [s] and yield each."""
     clock = time.perf_counter
     for k in range(round(seconds / made.dt)):
-        q, v = made.state()
+        q, v = made.q_v()
         begin = clock()
         torques = controller.step(RobotState(q, v, k * made.dt)).torques
         between = clock()

@@ -235,7 +235,7 @@ def _go_wrong(wired: WiredRobot, fault: str, seed: int, other: int) -> tuple[flo
         os.kill(other, signal.SIGCONT)
     end.fault, end.trouble.value = "", False
     if fault in BEARABLE:
-        return LASTS, damped is None and body.world.state()[0][2] > 0.25
+        return LASTS, damped is None and body.world.q_v()[0][2] > 0.25
     if end.kept["off"] < WRONG:
         return 0.0, True
     late = np.inf if damped is None else max(damped - wrong, 0.0)
@@ -254,8 +254,8 @@ def _suffer(count: int, other: int, pipe: Any, lost: Any, trouble: Any) -> None:
         for k in range(count):
             if not body.powered or FAULTS[(k - 1) % len(FAULTS)] not in BEARABLE:
                 body.reset(robot.nominal)
-            begin, start = body.time, float(body.world.state()[0][0])
-            while body.world.state()[0][0] < start + ON_THE_WAY and body.time < begin + LONGEST:
+            begin, start = body.time, float(body.world.q_v()[0][0])
+            while body.world.q_v()[0][0] < start + ON_THE_WAY and body.time < begin + LONGEST:
                 wired.step()
             walks = body.time < begin + LONGEST
             pipe.send((FAULTS[k % len(FAULTS)], walks, *_go_wrong(wired, FAULTS[k % len(FAULTS)], k, other)))

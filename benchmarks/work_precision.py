@@ -64,7 +64,7 @@ class Motion:
         steps = count if world.control is None else 2 * world.control.taken + world.control.refused
         place, turn, speed, rate = (np.asarray(x, dtype=np.float64) for x in self.end)
         R = pinocchio.exp3(turn)
-        q, v = world.state()
+        q, v = world.q_v()
         off = np.r_[q[:3] - place, pinocchio.log3(R.T @ pinocchio.Quaternion(q[3:7]).matrix())]
         return float(np.abs(np.r_[off, v - np.r_[R.T @ speed, R.T @ rate]]).max()), steps, spent
 

@@ -24,7 +24,7 @@ def run(body: sf.Robot, q: np.ndarray, v: np.ndarray, seconds: float, **world: o
     out = []
     for _ in range(round(seconds / simulated.dt)):
         simulated.step(NO_MOTORS)
-        out.append(np.concatenate(simulated.state()))
+        out.append(np.concatenate(simulated.q_v()))
     return out
 
 

@@ -31,7 +31,7 @@ def standing_forces(world_type: Any, degrees: float) -> np.ndarray:
     world, forces = world_type(robot, ground), []
     world.reset(q)
     for k in range(2000):
-        world.step(controller.step(RobotState(*world.state(), k * world.dt)).torques)
+        world.step(controller.step(RobotState(*world.q_v(), k * world.dt)).torques)
         forces.append(world.contacts().forces)
     return np.mean(forces[-300:], axis=0)
 
@@ -42,7 +42,7 @@ def slide(world: Any, mu: float, speed: float) -> tuple[np.ndarray, np.ndarray]:
     path, normal = [], []
     for _ in range(round((speed / (mu * GRAVITY) + 0.1) / world.dt)):
         world.step(np.zeros(0))
-        path.append(world.state()[0][[0, 2]] - [0.0, BLOCK.nominal[2]])
+        path.append(world.q_v()[0][[0, 2]] - [0.0, BLOCK.nominal[2]])
         normal.append(world.contacts().forces[:, 2].sum())
     return np.array(path), np.array(normal)
 
@@ -56,7 +56,7 @@ def creep(world_type: Any, degrees: float = 20.0) -> float:
     places = []
     for _ in range(1000):
         world.step(np.zeros(0))
-        places.append(world.state()[0][:3])
+        places.append(world.q_v()[0][:3])
     return float(np.linalg.norm(places[-1] - places[499]) / 0.5)
 
 

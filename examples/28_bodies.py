@@ -22,7 +22,7 @@ def on_a_stair() -> sf.RigidWorld:
     q[0] = -0.03 - robot.foot_positions()[0, 0]
     world.reset(q)
     for k in range(1500):
-        now, v = world.state()
+        now, v = world.q_v()
         torques = np.clip(80.0 * (robot.nominal[7:] - now[7:]) - 2.0 * v[6:], -23.0, 23.0)
         world.step(torques, np.array([60.0, 0.0, 0.0]) if k > 200 else None)
     return world
@@ -39,7 +39,7 @@ def outline(shape: Shape, rotation: np.ndarray, position: np.ndarray) -> np.ndar
 def draw_robot(axes: Any, world: sf.RigidWorld) -> None:
     """Draw what may touch, the ground and the forces."""
     data = world.robot.model.createData()
-    pinocchio.forwardKinematics(world.robot.model, data, world.state()[0])
+    pinocchio.forwardKinematics(world.robot.model, data, world.q_v()[0])
     for solid in robot_geometry(world.robot).solids:
         pose = data.oMi[solid.joint] * pinocchio.SE3(solid.rotation, solid.position)
         line = outline(solid.shape, pose.rotation, pose.translation)

@@ -141,7 +141,7 @@ def test_a_world_from_outside(capsys: pytest.CaptureFixture[str]) -> None:
     assert world.contact_foot.tolist() == [0, 1, 2, 3]
     world.reset(robot.nominal)
     world.step(np.zeros(12), push=np.array([0.0, 500.0, 0.0]))
-    assert world.state()[1][1] > 0.0
+    assert world.q_v()[1][1] > 0.0
     assert world.time == pytest.approx(1e-3)
 
 

@@ -35,14 +35,14 @@ class Landing:
         dq, dv = np.zeros_like(v), np.zeros_like(v)
         dv[0], leaving, path = 1.0, None, [self.start[:3]]
         for _ in range(self.steps):
-            q, v = world.state()
+            q, v = world.q_v()
             world.step(STIFFNESS * (self.posture - q[7:]) - DAMPING * v[6:])
             if derivative:
                 torques = -STIFFNESS * dq[6:] - DAMPING * dv[6:]
                 moved = world.derivative(smoothing).jvp(q=dq, v=dv, torques=torques, leaving=leaving)
                 dq, dv, leaving = moved.q, moved.v, moved.leaving
-            path.append(world.state()[0][:3])
-        q = world.state()[0]
+            path.append(world.q_v()[0][:3])
+        q = world.q_v()[0]
         off = float(q[0] - self.start[0]) - GOAL
         # dq is along the base's own axes
         forward = float((rotation_from_quaternion(q[3:7]) @ dq[:3])[0]) if derivative else np.nan

@@ -105,7 +105,7 @@ def test_at_5_ms_all_energy_that_is_made_is_accounted_for(seed, terrain):
     energy, moved = world.energy(), world.stepper.bodies
     caught, rest = 9.81**2 * dt * dt / 8.0 * sum(b.mass for b in bodies), np.zeros(world.model.nv)
     for _ in range(round(0.9 / dt)):
-        q, v = world.state()
+        q, v = world.q_v()
         world.step()
         impact, lifted = world.last.impact, 0.0
         if impact is not None:
@@ -124,7 +124,7 @@ def test_a_heavy_body_on_a_light_one_stands():
     )
     for _ in range(200):
         world.step()
-    assert np.abs(world.state()[1]).max() < 1e-8
+    assert np.abs(world.q_v()[1]).max() < 1e-8
     assert world.unsolved == 0
 
 
@@ -133,4 +133,4 @@ def test_bodies_that_start_in_each_other_are_parted():
     world = SceneWorld(Scene([Body("a", cube, 1.0, (0, 0, 0.1)), Body("b", cube, 1.0, (0.01, 0, 0.29))]))
     world.step()
     assert world.pose("b").position[2] - world.pose("a").position[2] > 0.2 - 1e-5
-    assert np.abs(world.state()[1]).max() < 1e-6
+    assert np.abs(world.q_v()[1]).max() < 1e-6

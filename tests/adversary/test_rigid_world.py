@@ -50,14 +50,14 @@ def judge(world: RigidWorld, steps: int, torques: Callable[[int], np.ndarray]) -
     """
     model, robot = world.model, world.robot
     data, base = model.createData(), robot.base_dof
-    q, v = world.state()
+    q, v = world.q_v()
     start = float(pinocchio.computeKineticEnergy(model, data, q, v))
     net = lowest = float(pinocchio.computeMechanicalEnergy(model, data, q, v))
     made = work = 0.0
     for k in range(steps):
         command = torques(k)
         world.step(command)
-        after, v = world.state()
+        after, v = world.q_v()
         reading = world.contacts()
         for values in (after, v, reading.forces, reading.gaps, reading.velocities, reading.positions):
             assert np.isfinite(values).all()
@@ -100,19 +100,19 @@ def test_thrashing_robots_get_what_their_motors_give(name, dt):
 @pytest.mark.parametrize("speed", [1e2, 1e3, 1e5, 1e9, 1e100])
 def test_extreme_speeds_are_lawful_or_named(name, speed):
     world = thrown_down(name, 5e-3, 2, speed)
-    before, caught = world.state(), None
+    before, caught = world.q_v(), None
     try:
         kinetic, made = judge(world, 5, lambda _: np.zeros(world.robot.joints))
     except SimulationError as error:
         caught = error
     if caught is None:
         assert made < allowed(world, kinetic)
-        assert not np.array_equal(world.state()[0], before[0])
+        assert not np.array_equal(world.q_v()[0], before[0])
     else:
         assert "too fast to resolve" in str(caught)
         assert caught.time == world.time
         reading = world.contacts()
-        for values in (*world.state(), reading.forces, reading.gaps, reading.velocities, reading.positions):
+        for values in (*world.q_v(), reading.forces, reading.gaps, reading.velocities, reading.positions):
             assert np.isfinite(values).all()
 
 
@@ -125,12 +125,12 @@ def test_unstable_controllers_end_in_an_error(name, gain):
     world.reset(sf.place(robot), np.full(robot.model.nv, 1e-3))
     caught = None
     for _ in range(400):
-        before = world.state()
+        before = world.q_v()
         try:
             world.step(-gain * before[1][6:])
         except sf.SurefootError as error:
             caught = error
             break
-        assert all(np.isfinite(part).all() for part in world.state())
+        assert all(np.isfinite(part).all() for part in world.q_v())
     assert isinstance(caught, SimulationError)
-    assert np.array_equal(world.state()[1], before[1])
+    assert np.array_equal(world.q_v()[1], before[1])

@@ -48,7 +48,7 @@ def world_of(name: str, robot: str = "go2", dt: float = 1e-3) -> World:
 
 def check_state(world: World) -> None:
     reading = world.contacts()
-    q, v = world.state()
+    q, v = world.q_v()
     for array in (q, v, reading.forces, reading.gaps, reading.velocities, reading.positions):
         assert np.isfinite(array).all()
     assert math.isfinite(world.time)
@@ -71,10 +71,10 @@ def test_worlds_refuse_by_name_what_is_not_finite(name: str, what: str, bad: flo
     world = world_of(name)
     torques, push = np.zeros(12), np.zeros(3)
     (torques if what == "torques" else push)[1] = bad
-    before = world.state()
+    before = world.q_v()
     with pytest.raises(SurefootError, match=what):
         world.step(torques, push)
-    np.testing.assert_array_equal(world.state()[0], before[0])  # nothing has moved
+    np.testing.assert_array_equal(world.q_v()[0], before[0])  # nothing has moved
     world.step(np.zeros(12))
     check_state(world)
 

@@ -25,7 +25,7 @@ def standing(world_type, robot: sf.Robot, ground: Terrain, steps: int, push=None
     world = world_type(robot, ground)
     world.reset(q)
     for k in range(steps):
-        torques = controller.step(RobotState(*world.state(), k * world.dt)).torques
+        torques = controller.step(RobotState(*world.q_v(), k * world.dt)).torques
         world.step(torques, push if 300 <= k < 500 else None)
         yield world
 
@@ -61,7 +61,7 @@ def test_soles_carry_the_same_wrench():
 def test_a_push_moves_the_base_alike(name, push):
     robot = sf.load_robot(name)
     paths = [
-        np.array([w.state()[0][:3] for w in standing(kind, robot, sf.FlatTerrain(), 1000, np.array(push))])
+        np.array([w.q_v()[0][:3] for w in standing(kind, robot, sf.FlatTerrain(), 1000, np.array(push))])
         for kind in (RigidWorld, MujocoWorld)
     ]
     moved = np.abs(paths[0] - sf.place(robot)[:3]).max()

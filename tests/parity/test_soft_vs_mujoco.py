@@ -39,7 +39,7 @@ def test_a_dropped_ball(solref, solimp):
         path = []
         for _ in range(7500):
             world.step(np.zeros(0))
-            path.append(world.state()[0][2] - 0.1)
+            path.append(world.q_v()[0][2] - 0.1)
         paths.append(np.array(path))
     mujoco, ours = paths
     depth = law.rest_depth(mass * 9.81)

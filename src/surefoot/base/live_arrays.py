@@ -14,6 +14,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ModelError
+from surefoot.base.memory import Memory, Remembering
 
 
 def live_parts(elements: Any, part: str | None = None) -> FloatArray:
@@ -52,8 +53,11 @@ def live_parts(elements: Any, part: str | None = None) -> FloatArray:
     return np.lib.stride_tricks.as_strided(first, shape, strides, writeable=False)
 
 
-class Bound:
-    """What has parts of one memory as attributes, views that `_bind` finds: those of a copy are its own."""
+class Bound(Remembering):
+    """What has parts of one memory as attributes, views that `_bind` finds.
+
+    Those of a copy are its own, and so are those of one that goes on from a memory.
+    """
 
     def _bind(self) -> None:
         """Find the parts of the memory."""
@@ -61,4 +65,9 @@ class Bound:
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Become a copy."""
         self.__dict__.update(state)
+        self._bind()
+
+    def resume(self, memory: Memory) -> None:
+        """See `Remembering`."""
+        super().resume(memory)
         self._bind()

@@ -12,10 +12,13 @@ import dataclasses
 import math
 from collections import deque
 from collections.abc import Iterable, Mapping
+from enum import Enum
 from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+
+from surefoot.base.errors import ProblemError
 
 Memory: TypeAlias = dict[str, Any]
 """Names of attributes and their values; that of a part with a memory of its own is a dictionary again."""
@@ -45,18 +48,49 @@ class Remembering:
         return {name: _copied(own[name]) for name in self.lasting_names() if name in own}
 
     def resume(self, memory: Memory) -> None:
-        """Go on from a memory, which stays as it is."""
+        """Go on from a memory, which stays as it is.
+
+        Raises
+        ------
+        ProblemError
+            For a memory of something else: other names, or arrays of another type or number of axes.
+        """
+        self._check(memory)
         for name, value in memory.items():
             part = getattr(self, name, None)
             if isinstance(part, Remembering):
                 part.resume(value)
+            elif isinstance(part, np.random.Generator):
+                part.bit_generator.state = value
             else:
                 setattr(self, name, copy.deepcopy(value))
 
+    def _check(self, memory: Any) -> None:
+        """Refuse a memory of something else."""
+        own = type(self).__name__
+        if not isinstance(memory, dict):
+            raise ProblemError(f"the memory of a {own} must name what lasts, got a {type(memory).__name__}")
+        known = self.lasting_names()
+        for name, value in memory.items():
+            if name not in known:
+                raise ProblemError(f"a {own} does not remember {name!r}; it remembers {', '.join(known)}")
+            now = getattr(self, name, None)
+            if not (isinstance(now, np.ndarray) and isinstance(value, np.ndarray)):
+                continue
+            if (now.dtype, now.ndim) != (value.dtype, value.ndim):
+                raise ProblemError(
+                    f"{name} of a {own} has {now.ndim} axes of {now.dtype}, "
+                    f"the memory has {value.ndim} of {value.dtype}"
+                )
+
 
 def _copied(value: Any) -> Any:
-    """Return a copy of a value, or the memory of a part that has one."""
-    return value.remembered() if isinstance(value, Remembering) else copy.deepcopy(value)
+    """Return a copy of a value, the memory of a part that has one, or where a random generator stands."""
+    if isinstance(value, Remembering):
+        return value.remembered()
+    if isinstance(value, np.random.Generator):
+        return copy.deepcopy(value.bit_generator.state)
+    return copy.deepcopy(value)
 
 
 def alike(one: Any, other: Any) -> bool:
@@ -98,8 +132,8 @@ def write_down(value: Any, kinds: Mapping[str, type]) -> tuple[Arrays, Any]:
     value
         Numbers, texts, None, arrays, and lists, tuples, sets, queues, dictionaries and objects of them.
     kinds
-        By name the classes of the objects. One that has `_asdict`, as named tuples have, is made again of
-        what that returns; any other of its attributes.
+        By name the classes of the objects, those of enumerations included. One that has `_asdict`, as named
+        tuples have, is made again of what that returns; any other of its attributes.
 
     Examples
     --------
@@ -120,7 +154,9 @@ def _written(value: Any, path: str, arrays: Arrays, names: Mapping[type, str]) -
         return {"array": path}
     if isinstance(value, np.generic):
         value = value.item()
-    if value is None or isinstance(value, (bool, int, str)):
+    if isinstance(value, Enum) and type(value) in names:
+        return {"enum": names[type(value)], "name": value.name}
+    if value is None or type(value) in (bool, int, str):
         return value
     if isinstance(value, bytes):
         return {"bytes": value.hex()}
@@ -132,7 +168,7 @@ def _written(value: Any, path: str, arrays: Arrays, names: Mapping[type, str]) -
         rest = {name: _written(part, within + name, arrays, names) for name, part in fields.items()}
         return {"kind": names[type(value)], "fields": rest}
     if isinstance(value, dict):
-        items = [[key, _written(part, f"{within}{key}", arrays, names)] for key, part in value.items()]
+        items = [[_key(key), _written(one, f"{within}{key}", arrays, names)] for key, one in value.items()]
         return {"dict": items}
     if isinstance(value, deque):
         return {"deque": _each(value, within, arrays, names), "maxlen": value.maxlen}
@@ -140,6 +176,16 @@ def _written(value: Any, path: str, arrays: Arrays, names: Mapping[type, str]) -
         if type(value) is kind:
             return {kind.__name__: _each(sorted(value) if kind is set else value, within, arrays, names)}
     raise TypeError(f"{path}: a memory cannot hold a {type(value).__name__}")
+
+
+def _key(key: Any) -> Any:
+    """Return a dictionary's key as what JSON can hold: a text, a number, or for a tuple of them a list."""
+    return [_key(part) for part in key] if isinstance(key, tuple) else key
+
+
+def _read_key(key: Any) -> Any:
+    """Return the key that `_key` has made a list of."""
+    return tuple(_read_key(part) for part in key) if isinstance(key, list) else key
 
 
 def _each(parts: Iterable[Any], within: str, arrays: Arrays, names: Mapping[type, str]) -> list[Any]:
@@ -163,7 +209,9 @@ def read_back(arrays: Arrays, facts: Any, kinds: Mapping[str, type]) -> Any:
     if what == "bytes":
         return bytes.fromhex(held)
     if what == "dict":
-        return {key: read_back(arrays, part, kinds) for key, part in held}
+        return {_read_key(key): read_back(arrays, part, kinds) for key, part in held}
+    if what == "enum":
+        return kinds[held][more[0][1]]  # type: ignore[index]
     if what == "kind":
         fields = {name: read_back(arrays, part, kinds) for name, part in more[0][1].items()}
         return _made(kinds[held], fields)
@@ -176,6 +224,11 @@ def _made(kind: type, fields: dict[str, Any]) -> Any:
     """Return an object of a class with given fields, as it was when it was written down."""
     if hasattr(kind, "_asdict"):
         return kind(**fields)
+    if dataclasses.is_dataclass(kind):
+        known = {field.name for field in dataclasses.fields(kind)}
+        if fields.keys() != known:
+            wrong = ", ".join(sorted(fields.keys() ^ known))
+            raise ValueError(f"a {kind.__name__} is not made of these fields: {wrong}")
     out: Any = object.__new__(kind)
     for name, value in fields.items():
         object.__setattr__(out, name, value)

@@ -5,10 +5,12 @@ from .control.controller import Controller as Controller
 from .control.controller import JointTargets as JointTargets
 from .control.controller import Wrapper as Wrapper
 from .control.controller import as_controller as as_controller
+from .control.controller import state_of as state_of
 from .drive.postures import BodyPostures as BodyPostures
 from .drive.readings import RobotReadings as RobotReadings
 from .drive.readings import motor_order as motor_order
 from .drive.standstill import Standstill as Standstill
+from .drive.state_kinds import STATE_KINDS as STATE_KINDS
 from .drive.state_tracker import StateTracker as StateTracker
 from .drive.watchdog import damping_targets as damping_targets
 from .drive.wire.dialect import Dialect as Dialect

@@ -220,6 +220,9 @@ def test_shown_command_ends_as_the_page_says(
     if "--merge" in words:  # what is merged must have run
         at = words.index("--merge")
         assert main([*words[:at], "--out", f"{words[at + 1]}/all", "--samples", "4"]) == 0
+    if "--resume" in words and not list(folder.glob("pushed/*/")):  # what goes on must have begun
+        begun = "walk go2 --duration 2 --keep-states 0.5 --no-video --no-report --out pushed"
+        assert main(begun.split()) == 0
     assert main(expanded(words, folder)) == code
 
 

@@ -27,25 +27,25 @@ def go(run: WalkRun, steps: int) -> None:
 def test_choices_hold_while_it_walks(robot: sf.Robot) -> None:
     run = WalkRun(robot, Choices(velocity=(0.4, 0.0, 0.0)))
     go(run, 1500)
-    assert run.world.state()[1][0] == pytest.approx(0.4, abs=0.15)
+    assert run.world.q_v()[1][0] == pytest.approx(0.4, abs=0.15)
     run.choose(replace(run.choices, payload=3.0))
     assert run.world.payload == 3.0
-    assert run.world.state()[0][0] > 0.2  # it is where it was
+    assert run.world.q_v()[0][0] > 0.2  # it is where it was
     for gait in ("walk", "trot", "stand"):
         run.choose(replace(run.choices, gait=gait))
         go(run, 600)
         assert not run.fallen
-    assert np.abs(run.world.state()[1][:3]).max() < 0.1  # it stands still
+    assert np.abs(run.world.q_v()[1][:3]).max() < 0.1  # it stands still
     assert run.reading.forces[:, 2].sum() == pytest.approx((robot.mass + 3.0) * 9.81, rel=0.1)
 
 
 def test_a_kick_changes_the_velocity_by_its_impulse(robot: sf.Robot) -> None:
     run = WalkRun(robot, Choices(gait="stand", mu=0.0))  # on ice nothing else pushes to the side
-    before = run.world.state()[1]
+    before = run.world.q_v()[1]
     run.kick(np.array([0.0, 60.0, 0.0]), 0.02)
     go(run, 20)
     assert not run.push.any()
-    q, v = run.world.state()
+    q, v = run.world.q_v()
     gained = momentum(robot, q, v).linear - momentum(robot, q, before).linear
     assert gained[1] == pytest.approx(60.0 * 0.02, rel=0.05)
 

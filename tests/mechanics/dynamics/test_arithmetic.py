@@ -36,7 +36,7 @@ def test_surface_frames_are_those_of_single_normals():
 
 def test_contact_rows_are_the_contact_jacobian(state):
     world, _ = state
-    q, v = world.state()
+    q, v = world.q_v()
     expected = contact_jacobian(world.robot, q, world.robot.stance(q, terrain=world.terrain))
     J = world.stepper.contacts(world.stepper.start(q, v)).J
     assert np.abs(J - expected).max() < 1e-12

@@ -338,7 +338,7 @@ def test_a_world_differentiates_its_last_step() -> None:
     d = world.derivative()
     assert np.array_equal(d.A, step_derivative(world.stepper, before, torques, mu=0.5).A)
     world.step(torques)
-    assert np.array_equal(world.derivative().step.state.q, world.state()[0])
+    assert np.array_equal(world.derivative().step.state.q, world.q_v()[0])
 
 
 def test_wrong_arguments_are_named() -> None:

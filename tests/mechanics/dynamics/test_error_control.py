@@ -45,7 +45,7 @@ def test_an_impact_while_another_contact_presses_is_met_in_time() -> None:
         world = sf.RigidWorld(body, mu=2.0, dt=dt, tol=tol)
         world.reset(start)
         advance(world, round(0.09 / dt), np.zeros(0))
-        ends.append(np.r_[world.state()[0][:3], world.state()[1]])
+        ends.append(np.r_[world.q_v()[0][:3], world.q_v()[1]])
     assert ends[0] == pytest.approx(ends[1], abs=2e-4)
     assert abs(ends[0][2] - 0.1) < 1e-6  # it lies
 
@@ -86,7 +86,7 @@ def test_a_lost_step_spends_nothing_of_the_error_and_may_be_tried_again() -> Non
     assert worlds[0].stepper.options.dt == 0.03
     for world in worlds:
         world.step(np.zeros(0), np.array([-200.0, 0.0, 0.0]))
-    one, other = ((*world.state(), world.control.error, world.control.taken) for world in worlds)
+    one, other = ((*world.q_v(), world.control.error, world.control.taken) for world in worlds)
     assert all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
 
 

@@ -32,7 +32,7 @@ def chained(world: sf.RigidWorld, seconds: float, q=(0.0,) * 6, v=(0.0,) * 6, mu
         world.step(np.zeros(0))
         moved = world.derivative().jvp(q=dq, v=dv, mu=mu, leaving=left)
         dq, dv, left = moved.q, moved.v, moved.leaving
-    return world.state()[0], np.concatenate([dq, dv])
+    return world.q_v()[0], np.concatenate([dq, dv])
 
 
 @pytest.mark.parametrize("order", [1, 2])
@@ -129,8 +129,8 @@ def test_a_tumbling_box_bounces_to_rest_and_its_slopes_are_those_of_the_run(orde
     world = run(0.0, 0)
     _, slope = chained(world, 0.48, way[:6], way[6:])
     low, high = run(-1e-6), run(1e-6)
-    moved = pinocchio.difference(body.model, low.state()[0], high.state()[0])
-    wanted = np.concatenate([moved, high.state()[1] - low.state()[1]]) / 2e-6
+    moved = pinocchio.difference(body.model, low.q_v()[0], high.q_v()[0])
+    wanted = np.concatenate([moved, high.q_v()[1] - low.q_v()[1]]) / 2e-6
     assert slope == pytest.approx(wanted, abs=1e-5 * np.abs(wanted).max())
     events, energies = 0, []
     smooth = sf.RigidWorld(body, mu=0.0, restitution=0.4, dt=4e-3, order=order)
@@ -142,7 +142,7 @@ def test_a_tumbling_box_bounces_to_rest_and_its_slopes_are_those_of_the_run(orde
         energies.append(smooth.energy())
     assert 2 <= events <= 6
     assert np.diff(energies).max() < 1e-6 * energies[0]
-    assert np.abs(smooth.state()[1][2:5]).max() < 1e-3  # it lies, whatever it slides
+    assert np.abs(smooth.q_v()[1][2:5]).max() < 1e-3  # it lies, whatever it slides
 
 
 @pytest.mark.usefixtures("fine_motion")
@@ -173,7 +173,7 @@ def test_without_restitution_impacts_are_located_where_that_is_asked_for() -> No
     for impacts in ("auto", "stepped", "located"):
         world = world_of(ball(0.4, RADIUS), 0.5, [1.5] + 5 * [0.0], restitution=0.0, mu=9.0, impacts=impacts)
         advance(world, round(0.32 / world.dt), np.zeros(0))
-        ends.append(np.concatenate(world.state()))
+        ends.append(np.concatenate(world.q_v()))
     assert np.array_equal(ends[0], ends[1])
     for order in (1, 2):
         world = world_of(box(0.4, (0.2, 0.2, 0.2)), 0.5, [1.5] + 5 * [0.0], restitution=0.0, mu=9.0,

@@ -54,7 +54,7 @@ def dropped(law, height: float, seconds: float, dt: float = 1e-3, speed: float =
     track = []
     for _ in range(round(seconds / dt)):
         world.step(NONE)
-        q, v = world.state()
+        q, v = world.q_v()
         track.append((q[2] - 0.1, v[2]))
     return world, *np.array(track).T
 
@@ -91,7 +91,7 @@ def test_every_force_is_the_laws_own(law):
             slack = 1e-7 if law is not LAWS["stiff"] else 1e-4  # there the depth itself has lost digits
             assert seen.forces[0, 2] == pytest.approx(wanted, rel=slack)
             touched += 1
-        before = world.state()[1][2]
+        before = world.q_v()[1][2]
     assert touched > 50
 
 
@@ -133,7 +133,7 @@ def test_soft_converges_to_rigid_with_the_order_of_its_overlap():
         world.reset(q, start)
         advance(world, 150, NONE)
         assert world.unsolved == 0
-        return world.state()[0][:3]
+        return world.q_v()[0][:3]
 
     rigid = end(None)
     for make, order in ((lambda k: SpringDamper(k, 1e-2 * k), 1.0), (lambda k: Hertz(k, 30.0), 2.0 / 3.0)):
@@ -194,8 +194,8 @@ def test_friction_is_exact():
     q = lifted(body.nominal, -law.rest_depth(2.0 * GRAVITY / 4.0))
     world.reset(q, np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0]))
     advance(world, 300, NONE)
-    assert world.state()[0][0] == pytest.approx(1.0 / (2.0 * mu * GRAVITY), rel=2e-3)
-    assert np.abs(world.state()[1]).max() < 1e-8
+    assert world.q_v()[0][0] == pytest.approx(1.0 / (2.0 * mu * GRAVITY), rel=2e-3)
+    assert np.abs(world.q_v()[1]).max() < 1e-8
     limit = math.atan(mu)
     for angle, sticks in ((limit - 0.01, True), (limit + 0.01, False)):
         world = RigidWorld(body, sf.SlopeTerrain(math.degrees(angle)), law=law)
@@ -203,7 +203,7 @@ def test_friction_is_exact():
         q[:3], q[3:7] = rotation @ [0.0, 0.0, 0.01], quaternion_from_rotation(rotation)
         world.reset(q)
         advance(world, 600, NONE)
-        assert (np.linalg.norm(world.state()[1][:3]) < 1e-6) == sticks
+        assert (np.linalg.norm(world.q_v()[1][:3]) < 1e-6) == sticks
         assert world.unsolved == 0
 
 

@@ -61,8 +61,8 @@ def test_a_world_is_a_run_of_steps() -> None:
         state = step.state
         assert same(world.contacts().forces, step.forces)
         assert world.contact_work() == step.contact_work
-        assert same(world.state()[1], state.v)
-    assert same(world.state()[0], state.q)
+        assert same(world.q_v()[1], state.v)
+    assert same(world.q_v()[0], state.q)
     assert world.energy() == stepper.energy(state)
     assert world.time == pytest.approx(0.3)
 

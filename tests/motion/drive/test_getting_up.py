@@ -34,12 +34,12 @@ def gets_up(seed: int) -> tuple[float, float, float]:
     loop, robot = looped(), limp(seed)
     loop.reset()
     drive(loop, robot, 2.5)
-    q, begin = robot.world.state()[0], loop.time
+    q, begin = robot.world.q_v()[0], loop.time
     worst = drive(loop, robot, 40.0, "stand", until="stand")
     took = loop.time - begin
     worst = max(worst, drive(loop, robot, 0.5))
     assert not loop.fault
-    assert robot.world.state()[0][2] == pytest.approx(GO2.nominal[2], abs=0.03)
+    assert robot.world.q_v()[0][2] == pytest.approx(GO2.nominal[2], abs=0.03)
     assert worst <= 1.0 + 1e-9
     return float(np.arccos(1.0 - 2.0 * (q[3:5] ** 2).sum())), took, worst
 
@@ -71,10 +71,10 @@ def test_a_push_fells_it_and_the_walk_goes_on(recover: bool) -> None:
     assert loop.mode == ("stand up" if recover else "damp")
     drive(loop, robot, 25.0, "" if recover else "stand", until="stand")
     drive(loop, robot, 1.0)
-    place = robot.world.state()[0][:2]
+    place = robot.world.q_v()[0][:2]
     drive(loop, robot, 3.0, "" if recover else "walk")
     assert loop.mode is LoopMode.WALK
-    assert float(np.linalg.norm(robot.world.state()[0][:2] - place)) > 1.0
+    assert float(np.linalg.norm(robot.world.q_v()[0][:2] - place)) > 1.0
 
 
 def test_a_body_that_sinks_upright_has_fallen() -> None:

@@ -49,14 +49,14 @@ def test_an_outing_with_noise_and_4_ms_of_delay() -> None:
     assert loop.settled
     loop.steer([0.5, 0.0, 0.0])
     worst.append(drive(loop, robot, 2.0, "walk"))
-    begin = robot.world.state()[0]
+    begin = robot.world.q_v()[0]
     worst.append(drive(loop, robot, 2.0, loss=0.3))
-    q, _ = robot.world.state()
+    q, _ = robot.world.q_v()
     assert q[0] - begin[0] == pytest.approx(1.0, abs=0.08)
     assert q[2] == pytest.approx(begin[2], abs=0.01)
     loop.steer([0.5, 0.0, 0.0], [-0.06, -0.15, 0.03])
     worst.append(drive(loop, robot, 2.0))
-    q, _ = robot.world.state()
+    q, _ = robot.world.q_v()
     assert q[2] == pytest.approx(begin[2] - 0.06, abs=0.015)
     assert np.arcsin(2.0 * (q[6] * q[4] - q[5] * q[3])) == pytest.approx(-0.15, abs=0.03)
     loop.steer([0.5, 0.0, 0.0])
@@ -64,7 +64,7 @@ def test_an_outing_with_noise_and_4_ms_of_delay() -> None:
     assert loop.settled
     worst.append(drive(loop, robot, 2.5, "sit"))
     assert loop.settled
-    assert robot.world.state()[0][2] < 0.22
+    assert robot.world.q_v()[0][2] < 0.22
     worst += [drive(loop, robot, 3.0, "lie"), drive(loop, robot, 0.1, "passive")]
     assert loop.mode is LoopMode.PASSIVE
     assert not loop.fault

@@ -199,7 +199,7 @@ def test_start_and_wrong_input(robot: Robot) -> None:
     v = random.normal(size=18)
     ekf = InvariantEkf(robot, 0.001, imu_position=(0.1, 0.2, 0.3))
     ekf.reset(q, v)
-    found = ekf.state()
+    found = ekf.q_v()
     np.testing.assert_allclose(found[0], q, atol=1e-12)
     np.testing.assert_allclose(found[1], v, atol=1e-12)
     R = rotation_from_quaternion(q[3:7])

@@ -26,7 +26,7 @@ def test_a_rollout_is_what_the_rigid_world_does(go2):
     world.reset(q)
     for k in range(30):
         world.step(motion.torques[k])
-        states = world.state()
+        states = world.q_v()
         assert np.abs(states[0] - motion.q[k + 1]).max() < 1e-3
     assert motion.lawful
     assert motion.law_residual < 1e-8

@@ -48,14 +48,14 @@ class Recording(Wrapper):
     def __init__(self, controller: Walker, at: int) -> None:
         super().__init__(controller)
         self.walker, self.at, self.count = controller, at, 0
-        self.state: WalkState | None = None
+        self.kept: WalkState | None = None
         self.measured: list[RobotState] = []
         self.torques: list[Any] = []
 
     def step(self, state: RobotState) -> Any:
         """Return the controller's command."""
         if self.count == self.at:
-            self.state = self.walker.state
+            self.kept = self.walker.state
         command = self.walker.step(state)
         if self.count >= self.at:
             self.measured.append(copy.deepcopy(state))
@@ -126,8 +126,8 @@ def test_a_walk_resumed_in_a_fresh_process_goes_on_to_the_last_bit(
     case: tuple[str, str, str, bool], pushes: list[Push], at: int, tmp_path: Path
 ) -> None:
     recording = recorded(*case, pushes, at)
-    assert recording.state is not None
-    arrays, facts = recording.state.to_arrays()
+    assert recording.kept is not None
+    arrays, facts = recording.kept.to_arrays()
     np.savez(tmp_path / "state.npz", **arrays, allow_pickle=False)
     (tmp_path / "state.json").write_text(json.dumps(facts, allow_nan=False))
     kinds = {type(one).__name__: type(one) for one in (recording.measured[0], *recording.measured[0])}

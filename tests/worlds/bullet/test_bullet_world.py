@@ -47,8 +47,8 @@ def test_a_state_comes_back_as_it_was_put() -> None:
     world = BulletWorld(robot, dt=1e-6)
     world.reset(q, v)
     world.step(np.zeros(12))
-    assert np.allclose(world.state()[0], q, rtol=0.0, atol=1e-5)
-    assert np.allclose(world.state()[1], v, rtol=0.0, atol=1e-3)
+    assert np.allclose(world.q_v()[0], q, rtol=0.0, atol=1e-5)
+    assert np.allclose(world.q_v()[1], v, rtol=0.0, atol=1e-3)
 
 
 @bullet

@@ -106,10 +106,10 @@ def test_numbers_that_drake_cannot_take() -> None:
 def test_a_closed_world_says_so() -> None:
     world = DrakeWorld(ball())
     world.step(np.zeros(0))
-    here = world.state()[0]
+    here = world.q_v()[0]
     world.close()
     with pytest.raises(ModelError, match="this drake world is closed"):
         world.step(np.zeros(0))
     with pytest.raises(ModelError, match="this drake world is closed"):
         world.set_friction(0.1)
-    assert world.state()[0] == pytest.approx(here)
+    assert world.q_v()[0] == pytest.approx(here)

@@ -115,7 +115,7 @@ def test_a_file_without_ground_gets_the_terrains(tmp_path: Path) -> None:
     world.reset(start_pose(robot, slope))
     hold = robot.nominal[7:]
     for _ in range(400):
-        q, v = world.state()
+        q, v = world.q_v()
         world.step(120.0 * (hold - q[7:]) - 2.0 * v[6:])
     assert world.contacts().forces[:, 2].sum() == pytest.approx(
         robot.mass * 9.81 * np.cos(np.radians(5.0)), rel=0.1
@@ -174,7 +174,7 @@ def test_feet_alone_touch_where_that_is_asked_for_and_without_a_margin(tmp_path:
     for collision in ("feet", "full"):
         world = MjcfWorld(robot, path, collision=collision)
         for _ in range(300):
-            q, v = world.state()
+            q, v = world.q_v()
             world.step(200.0 * (robot.nominal[7:] - q[7:]) - 4.0 * v[6:])
         loads[collision] = world.contacts().forces[:, 2].sum() / (9.81 * robot.mass)
         assert bool(world.touching()) == (collision == "full")
@@ -194,7 +194,7 @@ def test_ground_that_is_ours_is_as_soft_as_the_files_feet(tmp_path: Path) -> Non
         robot = sf.load_robot(path, feet=feet)
         world = MjcfWorld(robot, path, collision="feet")
         for _ in range(500):
-            q, v = world.state()
+            q, v = world.q_v()
             world.step(400.0 * (robot.nominal[7:] - q[7:]) - 8.0 * v[6:])
         depths[softness] = -world.contacts().gaps.mean()
     assert depths[""] < 1e-4

@@ -78,7 +78,7 @@ def test_state_survives_the_round_trip(name: str) -> None:
     for _ in range(5):
         q, v = random_state(robot, rng)
         world.reset(q, v)
-        got_q, got_v = world.state()
+        got_q, got_v = world.q_v()
         np.testing.assert_allclose(got_q, q, atol=1e-14)
         np.testing.assert_allclose(got_v, v, atol=1e-13)
         if robot.floating:
@@ -139,10 +139,10 @@ def test_free_fall_and_push_follow_newton() -> None:
     high[2] += 5.0
     world.reset(high)
     push = np.array([30.0, -20.0, 10.0])
-    before = momentum(robot, *world.state())
+    before = momentum(robot, *world.q_v())
     for _ in range(100):
         world.step(np.zeros(12), push)
-    after = momentum(robot, *world.state())
+    after = momentum(robot, *world.q_v())
     gained = 0.1 * (push - [0.0, 0.0, robot.mass * GRAVITY])
     np.testing.assert_allclose(after - before, gained, atol=1e-3 * np.abs(gained).max())
     assert world.time == pytest.approx(0.1)
@@ -173,7 +173,7 @@ def test_feet_at_rest_stay_so_however_fast_joints_are(whole: bool) -> None:
     v[6:] = -np.linalg.solve(slopes(q)[:, 6:], slopes(q)[:, :6] @ v[:6])
     world.reset(q, v)
     world.step(np.zeros(12))
-    q, v = world.state()
+    q, v = world.q_v()
     assert (np.abs((slopes(q) @ v)[1::3]).max() < 0.5 * dt) == whole  # sideways: 0.2 m/s², or 6
 
 

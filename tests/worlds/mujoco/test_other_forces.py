@@ -127,7 +127,7 @@ def test_a_foot_on_a_link_is_no_foot_on_the_ground() -> None:
     world.reset(q)
     touched, fed = set[tuple[str, str]](), 0.0
     for _ in range(300):
-        now, v = world.state()
+        now, v = world.q_v()
         aim = np.array([-1.0, 3.4, -2.0, 1.0, 3.4, -2.0, -1.0, 0.8, -2.6, 1.0, 0.8, -2.6])
         world.step(np.clip(40.0 * (aim - now[7:]) - v[6:], -20.0, 20.0))
         reading = world.contacts()

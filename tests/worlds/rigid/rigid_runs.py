@@ -26,5 +26,5 @@ def run(world: RigidWorld, seconds: float, push=None) -> list[tuple[np.ndarray, 
     states = []
     for _ in range(round(seconds / world.dt)):
         world.step(NONE, push)
-        states.append(world.state())
+        states.append(world.q_v())
     return states

@@ -19,7 +19,7 @@ HOLD = ROBOT.nominal[7:]
 
 
 def pulled(world, goal=HOLD, stiffness=60.0, damping=2.0, limit=23.0):
-    q, v = world.state()
+    q, v = world.q_v()
     return np.clip(stiffness * (goal - q[7:]) - damping * v[6:], -limit, limit)
 
 
@@ -42,13 +42,13 @@ def test_a_dropped_go2_lies_on_its_trunk(axis, degrees, height, lowest):
     assert world.unsolved == 0
     assert deepest > -2e-6
     assert abs(np.mean(normal) - ROBOT.mass * GRAVITY) < 0.02 * ROBOT.mass * GRAVITY
-    assert lowest < world.state()[0][2] < 0.2
+    assert lowest < world.q_v()[0][2] < 0.2
     assert "base_0" in {t.body for t in world.touches()}
     through = RigidWorld(ROBOT)
     through.reset(q)
     for _ in range(600):
         through.step(pulled(through))
-    assert through.state()[0][2] < 0.0
+    assert through.q_v()[0][2] < 0.0
 
 
 def test_its_shins_meet_the_edge_of_a_stair():
@@ -73,7 +73,7 @@ def test_its_shins_meet_the_edge_of_a_stair():
         assert abs(touch.position[2] - 0.12) < 0.03
         assert touch.force[0] < 0.0
     assert not any("calf" in body for body, _ in found["feet"][1])
-    assert world.state()[0][0] < found["feet"][0].state()[0][0] - 0.1
+    assert world.q_v()[0][0] < found["feet"][0].q_v()[0][0] - 0.1
 
 
 def test_legs_do_not_pass_through_each_other():
@@ -89,7 +89,7 @@ def test_legs_do_not_pass_through_each_other():
         for _ in range(400):
             world.step(pulled(world, goal, 40.0, 1.0, 20.0))
         assert world.unsolved == 0
-        q, others = world.state()[0], world.contacts().others
+        q, others = world.q_v()[0], world.contacts().others
         if others is not None:
             assert np.abs(others[:6]).max() < 1e-9 * np.abs(others[6:]).max()
         left, right = ROBOT.foot_positions(q)[:2]
@@ -108,7 +108,7 @@ def test_feet_alone_are_what_they_were():
         for world in worlds:
             world.step(pulled(world))
     feet, full = worlds
-    np.testing.assert_allclose(full.state()[0], feet.state()[0], atol=1e-9)
+    np.testing.assert_allclose(full.q_v()[0], feet.q_v()[0], atol=1e-9)
     np.testing.assert_allclose(full.contacts().forces, feet.contacts().forces, atol=1e-5)
     assert full.contacts().positions.shape == (4, 3)
     assert [t.body for t in feet.touches()] == [t.body for t in full.touches()] == list(ROBOT.foot_names)

@@ -45,10 +45,10 @@ def test_ball_bounces_with_its_restitution(e):
     world.reset(lifted(body.nominal, 0.3))
     before = after = None
     for _ in range(600):
-        _, last = world.state()
+        _, last = world.q_v()
         world.step(NONE)
         if world.contacts().forces[0, 2] > 0:
-            before, after = last[2], world.state()[1][2]
+            before, after = last[2], world.q_v()[1][2]
             if e:  # at the time of the touch
                 before, after = world.last.impact.before[2], world.last.impact.after[2]
             break
@@ -117,7 +117,7 @@ def test_second_order_in_dt_under_a_push():
         world = RigidWorld(robot, dt=dt)
         world.reset(q, v)
         advance(world, round(0.08 / dt), torques, np.array([30.0, 10.0, 5.0]))
-        ends.append(np.concatenate(world.state()))
+        ends.append(np.concatenate(world.q_v()))
     errors = [np.abs(end - ends[-1]).max() for end in ends[:3]]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert np.all(np.abs(orders - 2.0) < 0.2)
@@ -133,7 +133,7 @@ def test_a_box_pivots_without_gain_or_loss():
         world.reset(body.nominal, v)
         start = world.energy()
         run(world, 0.2)
-        assert world.state()[1][4] == pytest.approx(-0.2348, abs=1e-3)
+        assert world.q_v()[1][4] == pytest.approx(-0.2348, abs=1e-3)
         assert world.energy() == pytest.approx(start, rel=bound)
         assert world.contacts().gaps.min() > -1e-6
 
@@ -144,8 +144,8 @@ def test_a_start_into_the_ground_stops_at_it():
     world = RigidWorld(body)
     world.reset(body.nominal, np.array([0, 0, -3.0, 0, 0, 0]))
     world.step(NONE)
-    assert world.state()[0][2] == pytest.approx(0.1, abs=1e-9)
-    assert np.abs(world.state()[1]).max() < 1e-6
+    assert world.q_v()[0][2] == pytest.approx(0.1, abs=1e-9)
+    assert np.abs(world.q_v()[1]).max() < 1e-6
     reading = world.contacts()
     assert world.dt * reading.forces[:, 2].sum() == pytest.approx(3.0 + GRAVITY * world.dt, rel=1e-6)
     assert reading.gaps.min() > -1e-9
@@ -189,5 +189,5 @@ def test_a_terrain_that_gives_no_height_is_named(tol):
     world.reset(lifted(world.robot.nominal, 0.01), np.array([5.0, 0, 0, 0, 0, 0]))
     with pytest.raises(SimulationError, match="gap between feet and ground became non-finite") as lost:
         run(world, 0.2)
-    assert np.isfinite(world.state()[0]).all()
+    assert np.isfinite(world.q_v()[0]).all()
     assert (lost.value.time, world.stepper.options.dt) == (world.time, 3e-3)

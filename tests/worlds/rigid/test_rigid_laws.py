@@ -40,13 +40,13 @@ def test_thrown_plank_obeys_every_law(spin, speed, turn, mu, degrees):
     world.reset(q, np.concatenate([speed, spin]))
     energy = start = world.energy()
     for _ in range(400):
-        turning = np.linalg.norm(world.state()[1][3:])
+        turning = np.linalg.norm(world.q_v()[1][3:])
         world.step(NONE)
         reading = world.contacts()
         assert world.contact_work() <= 1e-10
         tangent = np.hypot(reading.forces[:, 0], reading.forces[:, 1])
         assert np.all(tangent <= mu * reading.forces[:, 2] + 1e-5)
-        reach = np.linalg.norm(world.state()[1][3:]) + turning
+        reach = np.linalg.norm(world.q_v()[1][3:]) + turning
         last, energy = energy, world.energy()
         # the bound of docs/rigid-world.md: a contact that opens or closes within a step errs at first order
         assert energy <= last + 1e-6 * start + 9.81 * 0.7 * 1e-2 * world.dt
@@ -66,7 +66,7 @@ def test_stabilisation_undoes_a_penetration(stabilisation):
     else:
         assert deepest > -1e-5
     if stabilisation == "projection":  # moved without a kick
-        assert np.abs(world.state()[1]).max() < 1e-9
+        assert np.abs(world.q_v()[1]).max() < 1e-9
 
 
 def test_robot_without_contacts_follows_aba():
@@ -84,7 +84,7 @@ def test_robot_without_contacts_follows_aba():
         c = rate(y + h / 2 * b)
         y = y + h / 6 * (a + 2 * b + 2 * c + rate(y + h * c))
     advance(world, 50, torque)
-    assert np.abs(np.concatenate(world.state()) - y).max() < 1e-8 * np.abs(y).max()
+    assert np.abs(np.concatenate(world.q_v()) - y).max() < 1e-8 * np.abs(y).max()
     assert world.contacts().forces.shape == (0, 3)
 
 
@@ -97,7 +97,7 @@ def test_a_lost_state_raises_and_is_never_handed_on(size):
     advance(world, 5, np.zeros(12))
     caught = None
     for _ in range(100):
-        before, time = world.state(), world.time
+        before, time = world.q_v(), world.time
         try:
             world.step(np.full(12, size))
         except SimulationError as error:
@@ -105,8 +105,8 @@ def test_a_lost_state_raises_and_is_never_handed_on(size):
             break
     assert re.search(r"became non-finite or too fast .* smaller dt", str(caught))
     assert caught.time == time == world.time
-    assert np.array_equal(world.state()[0], before[0])
-    assert np.array_equal(world.state()[1], before[1])
+    assert np.array_equal(world.q_v()[0], before[0])
+    assert np.array_equal(world.q_v()[1], before[1])
     reading = world.contacts()
     for values in (reading.forces, reading.gaps, reading.velocities, reading.positions):
         assert np.isfinite(values).all()

@@ -27,10 +27,10 @@ def dropped(name, height, seconds, terrain=None, **settings):
     rows = {"normal": [], "gap": [], "excess": [], "work": [], "speed": []}
     given, begin = 0.0, world.energy()
     for k in range(round(seconds / world.dt)):
-        q, v = world.state()
+        q, v = world.q_v()
         torques = controller.step(RobotState(q, v, k * world.dt)).torques
         world.step(torques)
-        reading, (moved, after) = world.contacts(), world.state()
+        reading, (moved, after) = world.contacts(), world.q_v()
         given += torques @ (moved - q)[7:]
         rows["normal"].append(reading.forces[:, 2].sum())
         rows["gap"].append(reading.gaps.min())

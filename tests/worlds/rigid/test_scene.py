@@ -46,9 +46,9 @@ def test_a_stack_of_five_stands_still_and_carries_its_weight():
     masses = [1.0, 2.0, 3.0, 4.0, 5.0]
     bodies = [Body(f"b{k}", CUBE, m, (0, 0, 0.1 + 0.2 * k)) for k, m in enumerate(masses)]
     world = SceneWorld(Scene(bodies))
-    start = world.state()[0]
+    start = world.q_v()[0]
     run(world, 500)
-    assert np.abs(world.state()[0] - start).max() < 1e-9
+    assert np.abs(world.q_v()[0] - start).max() < 1e-9
     found = forces(world)
     for k in range(5):
         below = "ground" if k == 0 else f"b{k - 1}"
@@ -169,7 +169,7 @@ def test_go2_stands_on_a_box_with_its_front_feet():
     start[2] += 0.021
     world.reset(start)
     for _ in range(600):
-        now, v = world.state()
+        now, v = world.q_v()
         world.step(60.0 * (q[7:] - now[7:19]) - 2.0 * v[6:18])
     assert world.unsolved == 0
     found = forces(world)

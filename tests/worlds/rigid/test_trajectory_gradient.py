@@ -45,7 +45,7 @@ def walked(kp=60.0, kd=3.0, mu=0.25, speed=0.4, payload=1.0, torques=None, order
     start[2] += 0.01
     world.reset(start, np.r_[speed, np.zeros(17)])
     for k in range(60):
-        q, v = world.state()
+        q, v = world.q_v()
         world.step(kp * (start[7:] - q[7:]) - kd * v[6:] + (0.0 if torques is None else torques[k]))
 
 
@@ -188,7 +188,7 @@ def caught(mass, x, kp) -> None:
     world, kd = sf.SceneWorld(scene, dt=4e-3), 2.0
     world.reset(np.r_[start, scene.start()[0][19:]])
     for _ in range(50):
-        q, v = world.state()
+        q, v = world.q_v()
         world.step(kp * (start[7:] - q[7:19]) - kd * v[6:18])
 
 
@@ -215,7 +215,7 @@ def test_what_has_no_gradient_is_refused() -> None:
             world = sf.RigidWorld(ball(1.0, 0.1 + changes.get("radius", 0.0) * x), dt=2e-3)
             kept = 0.0
             for _ in range(5):
-                kept = 0.5 * kept + float(world.state()[0][2])
+                kept = 0.5 * kept + float(world.q_v()[0][2])
                 noise = np.random.default_rng().normal() if "noise" in changes else 0.0
                 world.step(NONE, np.array([x + kept * changes.get("memory", 0.0) + noise, 0.0, 0.0]))
 

@@ -21,10 +21,10 @@ def flight_errors(world_of: Callable[..., Any], steps: Sequence[float], exact: f
 
     def flown(world: Any) -> np.ndarray:
         world.reset(q, v)
-        assert np.allclose(world.state()[1], v, rtol=0.0, atol=1e-12)
+        assert np.allclose(world.q_v()[1], v, rtol=0.0, atol=1e-12)
         advance(world, round(0.02 / world.dt), torques, push)
         assert world.contacts().forces.max() == 0.0
-        return world.state()[1]
+        return world.q_v()[1]
 
     wanted, errors = flown(RigidWorld(robot, dt=exact)), []
     for dt in steps:

@@ -45,7 +45,7 @@ def spin(
     there = make_world(world, disc, actuators=actuators)
     there.reset(np.zeros(2), np.array([v, 0.0]))
     advance(there, round(time / there.dt), np.array([torque, 0.0]))
-    return float(there.state()[1][0])
+    return float(there.q_v()[1][0])
 
 
 @pytest.mark.parametrize("world", WORLDS)
@@ -107,8 +107,8 @@ def test_both_worlds_drop_a_braked_robot_alike() -> None:
         world = make_world(name, robot, actuators="real", dt=2e-4)
         world.reset(q)
         for k in range(1000):
-            _, v = world.state()
+            _, v = world.q_v()
             world.step(np.full(12, 5.0 * math.sin(0.02 * k)) - 0.1 * v[6:])
-        ends.append(world.state())
+        ends.append(world.q_v())
     np.testing.assert_allclose(ends[0][0], ends[1][0], atol=5e-3)
     assert np.abs(ends[0][0][7:] - q[7:]).max() > 0.1

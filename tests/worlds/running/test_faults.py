@@ -24,7 +24,7 @@ def asked(torques: np.ndarray, targets: JointTargets | None = None) -> Command:
 
 
 def test_no_fault_changes_nothing(world: MujocoWorld) -> None:
-    q, v = world.state()
+    q, v = world.q_v()
     active = Faults().start(world, 1)
     assert active.sense(q, v) == (q, v)
     torques = np.arange(12.0)
@@ -45,13 +45,13 @@ def test_noise_is_seeded_and_of_the_stated_size(world: MujocoWorld) -> None:
 
 def test_torques_come_late(world: MujocoWorld) -> None:
     active = Faults(delay=0.003).start(world, None)
-    given = [active.act(asked(np.full(12, float(k))), *world.state())[0] for k in range(8)]
+    given = [active.act(asked(np.full(12, float(k))), *world.q_v())[0] for k in range(8)]
     assert given == [0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 4.0]
 
 
 def test_one_motor_is_weak(world: MujocoWorld) -> None:
     active = Faults(weak_joint="FR_calf_joint", torque_loss=0.3).start(world, None)
-    assert active.act(asked(np.ones(12)), *world.state()).tolist() == [1.0] * 5 + [0.7] + [1.0] * 6
+    assert active.act(asked(np.ones(12)), *world.q_v()).tolist() == [1.0] * 5 + [0.7] + [1.0] * 6
 
 
 def test_late_targets_are_followed_from_the_joints_as_they_are(world: MujocoWorld) -> None:

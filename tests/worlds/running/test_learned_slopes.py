@@ -76,7 +76,7 @@ def test_a_body_whose_feet_stand_for_long_changes_its_speed_slowly() -> None:
     for gait in ("trot", "walk"):
         controller = walking_controller(robot, VelocityCommand.constant(0.2), gait, SlopeTerrain(0.0), MU)
         world = MujocoWorld(robot)
-        q, v = world.state()
+        q, v = world.q_v()
         controller.step(RobotState(q, v, 0.0, np.ones(4, dtype=bool)))
         changes[gait] = controller.body.change
     assert first_stance(named_gait("walk", 4)) > 2.0 * first_stance(named_gait("trot", 4))

@@ -85,7 +85,7 @@ def test_motors_give_their_share() -> None:
     world = RigidWorld(load_robot("go2"))
     faults = Faults(strength=0.8, weak_joint="FL_calf_joint", torque_loss=0.5).start(world, None)
     asked = Command(np.ones(12), np.zeros((4, 3)), np.zeros(4, dtype=bool), True, Status.SOLVED)
-    given = faults.act(asked, *world.state())
+    given = faults.act(asked, *world.q_v())
     assert sorted(given.tolist()) == pytest.approx([0.4] + [0.8] * 11)
     with pytest.raises(ProblemError, match="strength must be a number between 0 and 10, got -1"):
         Faults(strength=-1.0).start(world, None)

@@ -60,12 +60,12 @@ def robot(
         try:
             while seconds is None or body.time < seconds:
                 wired.step()
-                highest = max(highest, float(body.world.state()[0][2]))
+                highest = max(highest, float(body.world.q_v()[0][2]))
                 largest = max(largest, float((abs(body.torques) / model.effort_limits).max()))
         except KeyboardInterrupt:
             pass
     said = {
-        "time": body.time, "place": body.world.state()[0][:3].tolist(), "highest": highest,
+        "time": body.time, "place": body.world.q_v()[0][:3].tolist(), "highest": highest,
         "torque_use": largest, "damped_steps": wired.damped,
     }  # fmt: skip
     show(said, as_json, lambda console, facts: say(console, *(f"{k}: {v}" for k, v in facts.items())))

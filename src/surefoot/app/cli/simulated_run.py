@@ -12,6 +12,7 @@ from rich.console import Console
 from surefoot.app.cli.console import Table, progress_bar, say
 from surefoot.app.cli.options import Leaving
 from surefoot.app.cli.output import to_json
+from surefoot.app.cli.resuming import Keep
 from surefoot.app.cli.run_files import PARTS, Draw, RunFiles
 from surefoot.app.cli.run_output import law_table
 from surefoot.app.cli.signals import ends_softly
@@ -23,6 +24,7 @@ from surefoot.worlds.interface.world import World
 from surefoot.worlds.mujoco.engine_warnings import engine_warnings
 from surefoot.worlds.running.observers import Observer, RunProgress
 from surefoot.worlds.running.run import run
+from surefoot.worlds.running.run_state import RunState
 from surefoot.worlds.running.scenario import Scenario
 
 S = TypeVar("S", bound=RunSummary)
@@ -78,17 +80,21 @@ class SimulatedRun:
         scenario: Scenario,
         account: Account[Any],
         observers: Sequence[Observer] = (),
+        keep: Keep | None = None,
+        start: RunState | None = None,
     ) -> int:
         """Simulate, write everything that the run leaves and return the exit code.
 
-        The `observers` watch beside the progress bar. The code is 0 if the robot did it, no law or limit was
-        broken and every file was written.
+        `observers` watch beside the progress bar, `keep` keeps states, and `start` is one to go on from.
+        The code is 0 if the robot did it, no law or limit was broken and every file was written.
         """
         with ends_softly() as stop:
             shown = not self.leaving.as_json
             with progress_bar(shown, account.doing, scenario.duration) as tell, engine_warnings() as warned:
                 watching = [*observers, *([] if tell is None else [RunProgress(tell)])]
-                log = run(world, controller, scenario, watching, self.folder / PARTS)
+                parts = self.folder / PARTS
+                keeper = None if keep is None else keep.into(parts)
+                log = run(world, controller, scenario, watching, parts, keep=keeper, resume=start)
             say(self.console, *warned)
             summary, entries = self._write(log, account)
             if self.leaving.as_json:

@@ -6,10 +6,13 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
+import typer
+
 from surefoot.app.cli import live, options, physics
 from surefoot.app.cli.console import plain_console, say
 from surefoot.app.cli.output import new_run_folder
 from surefoot.app.cli.policy import PolicyOptions
+from surefoot.app.cli.resuming import resume_walk, state_keeper
 from surefoot.app.cli.robots import load
 from surefoot.app.cli.scenario_file import WALK_KEYS, ScenarioFile
 from surefoot.app.cli.walk_options import Beliefs, WalkOptions, Wiring
@@ -20,7 +23,7 @@ SHORTEST = 0.5
 """Length of a walk that says something [s]: about a cycle of a trot."""
 
 
-def walk(*, asked: WalkOptions, learned: PolicyOptions) -> int:
+def walk(context: typer.Context, *, asked: WalkOptions, learned: PolicyOptions) -> int:
     """Let a robot walk in simulation and account for every contact force.
 
     Exit code 0 if it walked to the end and no law or limit was broken, 1 if not, 2 for wrong input.
@@ -29,12 +32,15 @@ def walk(*, asked: WalkOptions, learned: PolicyOptions) -> int:
     from surefoot.mechanics import file_actuators
     from surefoot.worlds.mujoco.substeps import substeps_of
     from surefoot.worlds.running.faults import Faults
+    from surefoot.worlds.running.run_state import check_resumable
     from surefoot.worlds.running.walk_terrain import check_ground, start_pose
 
     console = plain_console(quiet=asked.as_json)
-    asked = replace(asked, robot=learned.robot(asked.robot))
+    before = resume_walk(context, asked)
+    asked = replace(asked, robot=learned.robot(asked.robot)) if before is None else before.asked
     asked.check(SHORTEST, asked.planner)
-    said = ScenarioFile.read(asked.scenario, WALK_KEYS)
+    said = ScenarioFile.read(asked.scenario, WALK_KEYS) if before is None else before.said
+    keep = state_keeper(asked, said, learned)
     belief, command, wired = asked.beliefs(said), asked.command(said), asked.wiring(said)
     settings, ground = physics.world_settings(asked, said), asked.read()
     of_file = asked.world_file is not None
@@ -54,9 +60,11 @@ def walk(*, asked: WalkOptions, learned: PolicyOptions) -> int:
     check_ground(model, ground, q, asked.mu)
     world = physics.build_world(asked, model, ground, settings)
     say(console, *controller.facts.get("notes", ()))
+    start = None if before is None else before.start(controller)
+    check_resumable(world, controller, keep is not None or start is not None)
     run = SimulatedRun(model, ground, new_run_folder(asked.out, f"walk-{model.name}"), asked, console)
     watching = live.watching(model, ground, controller) if asked.view else []
-    return run.carry_out(world, controller, replace(happens, start=q), _account(), watching)
+    return run.carry_out(world, controller, replace(happens, start=q), _account(), watching, keep, start)
 
 
 class _WalkTask(NamedTuple):

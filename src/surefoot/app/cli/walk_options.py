@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -140,6 +141,17 @@ class WalkOptions(options.RunOptions):
     commands: Annotated[
         str, typer.Option(help="torques, or targets: joint angles, speeds, gains and torques for the drives.")
     ] = "torques"
+
+    keep_states: Annotated[
+        float | None, typer.Option(help="Keep all that lasts in the log, every so many seconds [s].")
+    ] = None
+    resume: Annotated[
+        Path | None,
+        typer.Option(help="A log that has kept states, or its folder: go on with its walk."),
+    ] = None
+    at: Annotated[
+        float | None, typer.Option(help="With --resume: from the last state that was kept at this time [s].")
+    ] = None
 
     def command(self, said: ScenarioFile) -> Any:
         """Return the commanded velocity over time."""

@@ -112,7 +112,7 @@ class PushPage(Page):
         """Return what there is to see now."""
         self._go_on()
         run, n = self._run, len(self._names)
-        q = run.world.state()[0].copy()
+        q = run.world.q_v()[0].copy()
         origin = q[:2].copy()
         q[:2] = 0.0
         weight = (run.robot.mass + run.choices.payload) * GRAVITY

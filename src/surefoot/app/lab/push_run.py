@@ -88,7 +88,7 @@ class WalkRun:
         q = start_pose(self.robot, self.terrain)
         self.world.reset(q)
         on = np.ones(self._feet, dtype=bool)
-        self.controller.warm_up(RobotState(*self.world.state(), 0.0, on))
+        self.controller.warm_up(RobotState(*self.world.q_v(), 0.0, on))
         self.controller.reset()
         self._height = float(q[2])
         self.time, self._began, self.steps = 0.0, 0.0, 0
@@ -117,7 +117,7 @@ class WalkRun:
             self.controller, self._began = new, self.time
         self.controller.command, self.controller.notes = new.command, new.notes
         if choices.payload != self.choices.payload:
-            q, v = self.world.state()
+            q, v = self.world.q_v()
             self.world = MujocoWorld(self.robot, self.terrain, choices.mu, payload=choices.payload)
             self.world.reset(q, v)
         self.world.set_friction(choices.mu)
@@ -138,7 +138,7 @@ class WalkRun:
         """Advance by one step; a robot that has lain for `LIE` starts anew."""
         if self.time - self.fell_at > LIE:
             self.restart()
-        world, q_v = self.world, self.world.state()
+        world, q_v = self.world, self.world.q_v()
         sensed = touching_feet(world.contact_foot, self.reading.forces, self._feet, self._weight)
         command = self.controller.step(RobotState(*q_v, self.time - self._began, sensed))
         try:

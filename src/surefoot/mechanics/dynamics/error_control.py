@@ -20,6 +20,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, real_number
 from surefoot.base.errors import SimulationError
+from surefoot.base.memory import Remembering
 from surefoot.mechanics.dynamics.state import Piece, State, Step
 from surefoot.mechanics.dynamics.stepper import Stepper
 
@@ -33,7 +34,7 @@ GROW, SAFETY = 4.0, 0.9
 """Most that a step grows by, and how far below the length that its error suggests it stays."""
 
 
-class ErrorControl:
+class ErrorControl(Remembering):
     """Takes steps of a stepper's dt in as many parts as a stated error of the state asks for.
 
     Parameters
@@ -46,6 +47,8 @@ class ErrorControl:
 
     Attributes
     ----------
+    options
+        Of the whole steps.
     error
         Sum of the estimates of positions since `restart` [m, rad].
     taken, refused
@@ -57,23 +60,25 @@ class ErrorControl:
         For a tolerance below 1e-8.
     """
 
+    MEMORY = ("_left", "_length", "error", "taken", "refused", "_last")
+
     def __init__(self, stepper: Stepper, tol: float) -> None:
         self.stepper, self.tol = stepper, real_number("tol", tol, low=1e-8)
         impacts = "located" if stepper.options.soft is None else stepper.options.impacts
         finer = min(stepper.options.solver_tol, NOISE * self.tol)
-        self._options = replace(stepper.options, impacts=impacts, solver_tol=finer)
+        self.options = replace(stepper.options, impacts=impacts, solver_tol=finer)
         self.restart()
 
     def restart(self) -> None:
         """Forget what was spent, and how long steps were."""
-        self._left, self._length = 0.5 * self.tol, self._options.dt
+        self._left, self._length = 0.5 * self.tol, self.options.dt
         self.error, self.taken, self.refused, self._last = 0.0, 0, 0, 0.0
 
     def step(
         self, state: State, torques: FloatArray, push: FloatArray | None = None, mu: float = 0.6
     ) -> Step:
         """Return the step of the whole dt; see `Stepper.step`. Its pieces are the parts that were kept."""
-        self._begin, left, kept, whole = state, self._options.dt, list[Step](), None
+        self._begin, left, kept, whole = state, self.options.dt, list[Step](), None
         self._before = self._left, self._length, self._last, self.error, self.taken, self.refused
         given = torques, push, mu
         while left > 0.0:
@@ -102,13 +107,13 @@ class ErrorControl:
         """Return a step of h [s] behind one of `last` [s]."""
         if state.memory is not None:
             state = state._replace(memory=state.memory._replace(pace=2.0 * h / (h + last)))
-        self.stepper.options = replace(self._options, dt=h)
+        self.stepper.options = replace(self.options, dt=h)
         try:
             return self.stepper.step(state, torques, push, mu)
         except SimulationError as lost:
             what = lost.what
         finally:
-            self.stepper.options = self._options
+            self.stepper.options = self.options
         # The world stays where its whole step began, and so does what was spent. Parts count as steps of a dt
         # of their own and know no time: what is told is the whole step's, but for the joint that was fast in
         # the part.
@@ -124,7 +129,7 @@ class ErrorControl:
 
     def _join(self, parts: list[Step]) -> Step:
         """Return parts as one step: the sum of their impulses, and what the last impact saw."""
-        dt, total = self._options.dt, np.zeros(parts[-1].impulses.shape)
+        dt, total = self.options.dt, np.zeros(parts[-1].impulses.shape)
         for part in parts:
             total[: len(part.impulses)] += part.impulses
         seen = next((part for part in reversed(parts) if part.impact is not None), parts[-1])

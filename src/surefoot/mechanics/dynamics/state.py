@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.base.errors import ProblemError
 from surefoot.contact import ContactProblem, ContactSolution
 
 
@@ -60,6 +61,44 @@ class State(NamedTuple):
         """Acceleration of free motion (nv,) [m/s², rad/s²], None where unknown for just this q and v."""
         m = self.memory
         return m.rate if m is not None and m.q is self.q and m.v is self.v else None
+
+    def as_plain(self) -> dict[str, Any]:
+        """Return copies of all numbers by their names.
+
+        The rate of free motion counts while its q and v are the state's own arrays, and is kept only then.
+        """
+        out: dict[str, Any] = {"q": self.q.copy(), "v": self.v.copy(), "steps": self.steps}
+        left = self.memory
+        if left is not None:
+            out |= {"impulses": np.array(left.impulses), "leaving": np.array(left.leaving)}
+            out |= {"airborne": bool(left.airborne), "pace": float(left.pace)}
+            out["rate"] = None if self.rate is None else self.rate.copy()
+        return out
+
+    @staticmethod
+    def from_plain(plain: dict[str, Any], like: State) -> State:
+        """Return the state that `as_plain` has told, of a robot as that of another state.
+
+        Raises
+        ------
+        ProblemError
+            For arrays of another shape or type.
+        """
+        wanted = {"q": like.q.shape, "v": like.v.shape}
+        if "impulses" in plain:
+            shape = (len(plain["impulses"]), 3)
+            wanted |= {"impulses": shape, "leaving": shape}
+            wanted |= {} if plain["rate"] is None else {"rate": like.v.shape}
+        read = {name: np.array(plain[name]) for name in wanted}
+        for name, shape in wanted.items():
+            if read[name].shape != shape or read[name].dtype != np.float64:
+                raise ProblemError(f"{name} of a state must be {shape} of float64, got {read[name].shape}")
+        q, v, rate, steps = read["q"], read["v"], read.get("rate"), int(plain["steps"])
+        if "impulses" not in read:
+            return State(q, v, steps)
+        impulses, leaving, pace = read["impulses"], read["leaving"], float(plain["pace"])
+        left = StepRemainder(impulses, leaving, bool(plain["airborne"]), pace=pace)
+        return State(q, v, steps, left if rate is None else left._replace(rate=rate, q=q, v=v))
 
     @property
     def airborne(self) -> bool:

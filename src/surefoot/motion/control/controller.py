@@ -13,6 +13,7 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.errors import ProblemError
+from surefoot.base.memory import Memory, Remembering
 from surefoot.contact import Status
 from surefoot.motion.state import HeightScan as HeightScan
 from surefoot.motion.state import RobotState as RobotState
@@ -187,8 +188,25 @@ def as_controller(controller: Controller | Callable[[RobotState], Any] | None, j
     )
 
 
-class Wrapper(Controller):
+def state_of(controller: Any) -> Any:
+    """Return the state of a controller: a copy of all that lasts from one step to the next.
+
+    Raises
+    ------
+    ProblemError
+        For a controller that cannot tell all of it, or cannot go on from it.
+    """
+    kind = type(controller)
+    if not (hasattr(kind, "state") and hasattr(kind, "resume")):
+        raise ProblemError(f"a {kind.__name__} does not tell its state, so that a run cannot go on from one")
+    return controller.state
+
+
+class Wrapper(Controller, Remembering):
     """A controller around another: it has the other's channels and facts, and `step` makes what it adds.
+
+    A subclass names in `MEMORY` what lasts in it from one step to the next, `()` for nothing; without that
+    its state is not known.
 
     Parameters
     ----------
@@ -201,6 +219,27 @@ class Wrapper(Controller):
             raise ProblemError(f"controller must be a Controller, got {controller!r:.60}")
         self.controller = controller
         self.channels, self.facts = controller.channels, controller.facts
+
+    @property
+    def state(self) -> Memory:
+        """A copy of all that lasts from one step to the next, here and inside.
+
+        Raises
+        ------
+        ProblemError
+            For a wrapper that does not name its `MEMORY`, or a controller inside that has no state.
+        """
+        kind = type(self)
+        if "MEMORY" not in vars(kind):
+            raise ProblemError(f"a {kind.__name__} does not name what lasts in it: give the class a MEMORY")
+        return {"own": self.remembered(), "controller": state_of(self.controller)}
+
+    def resume(self, memory: Memory) -> None:
+        """Go on from a `state` of wrappers around a controller that were made in the same way."""
+        if not isinstance(memory, dict) or memory.keys() != {"own", "controller"}:
+            raise ProblemError(f"the state is not that of a {type(self).__name__} around a controller")
+        self.controller.resume(memory["controller"])  # type: ignore[attr-defined]  # it has a state
+        super().resume(memory["own"])
 
     def reset(self) -> None:
         """Forget the past: the next step is the first of a run, here and inside."""

@@ -12,6 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
+from surefoot.base.memory import Remembering
 from surefoot.mechanics import Robot
 from surefoot.motion.drive.modes import LoopMode
 from surefoot.motion.drive.postures import BodyPostures, PostureMotion
@@ -69,8 +70,10 @@ class RollOver:
         return [*rolls, self.postures.approach(way[-1], self.postures.lie)]
 
 
-class FallRecovery:
+class FallRecovery(Remembering):
     """Gets a robot up by itself after a fall, once it lies still, and walks on if it walked."""
+
+    MEMORY = ("_falls", "_since", "_walked")
 
     def __init__(self) -> None:
         self.reset()

@@ -17,6 +17,7 @@ their joints miss after a push would otherwise slide the feet.
 from __future__ import annotations
 
 from copy import copy
+from typing import ClassVar
 
 import numpy as np
 
@@ -48,6 +49,8 @@ class CommandHold(Wrapper):
     every
         How many steps of the world its own are.
     """
+
+    MEMORY: ClassVar[tuple[str, ...]] = ("_last", "_count")
 
     def __init__(self, controller: Controller, every: int) -> None:
         super().__init__(controller)
@@ -104,6 +107,8 @@ class JointTargetController(CommandHold):
     >>> controller.stiffness[:3].round(1), targets.stiffness[:3].round(1)  # all feet stand
     (array([26.4, 26.4, 26.4]), array([7.9, 7.9, 7.9]))
     """
+
+    MEMORY = ("_kept",)
 
     def __init__(self, controller: Controller, robot: Robot, dt: float, every: int = 1) -> None:
         import pinocchio

@@ -24,19 +24,20 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, real_number
 from surefoot.base.kernels import kernel
+from surefoot.base.memory import Remembering
 from surefoot.mechanics import Robot
 from surefoot.motion.control.controller import Command, Controller, RobotState, Wrapper
 from surefoot.motion.control.damping import computable
 
 LONGEST = 0.03
 """Longest delay that is looked for [s]."""
-MEMORY = 0.1
+COMPARED = 0.1
 """Time over which reported and commanded torques are compared [s]."""
 EVIDENCE = 4.0
 """How many times better another delay must fit than the one believed so far before it is believed."""
 
 
-class DelayMeter:
+class DelayMeter(Remembering):
     """Measures after how many steps commanded torques are reported by the motors.
 
     Parameters
@@ -47,9 +48,11 @@ class DelayMeter:
         Time between steps [s].
     """
 
+    MEMORY = ("steps", "_asked", "_misfit", "_seen")
+
     def __init__(self, joints: int, dt: float) -> None:
         self._count = round(LONGEST / dt) + 1
-        self._keep = float(np.exp(-dt / MEMORY))
+        self._keep = float(np.exp(-dt / COMPARED))
         self._joints = joints
         self.reset()
 
@@ -130,6 +133,8 @@ class LatencyCompensation(Wrapper):
     ProblemError
         For a delay that is negative or longer than `LONGEST`.
     """
+
+    MEMORY = ("meter", "_past", "_now")
 
     def __init__(self, controller: Controller, robot: Robot, dt: float, delay: float | None = None) -> None:
         super().__init__(controller)

@@ -31,7 +31,7 @@ class LoopLog:
 
     def note(self, loop: RobotLoop) -> None:
         """See a step of the loop."""
-        state, last = loop.state, loop.watch.last
+        state, last = loop.estimate, loop.watch.last
         if loop.mode in CONTROLLED and state is not None and state.forces is not None and last is not None:
             touching = np.array(state.contact)
             # estimates are noisy where a foot has just landed

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
+from surefoot.base.memory import Remembering
 from surefoot.mechanics import Robot
 from surefoot.motion.control.controller import JointTargets
 from surefoot.motion.drive.getting_up import TRIES, RollOver
@@ -14,7 +15,7 @@ NEAR = 0.5
 """Legs whose joints are all so near to those of the stance need not be folded before it [rad]."""
 
 
-class PosturePlayer:
+class PosturePlayer(Remembering):
     """Plays motions to a posture, and holds it.
 
     Parameters
@@ -31,6 +32,8 @@ class PosturePlayer:
     lying
         Whether it lies on its side or back, or has just rolled onto its belly, on its way to standing.
     """
+
+    MEMORY = ("_motions", "_since", "_posed", "lying", "_tries", "_end")
 
     def __init__(self, robot: Robot, dt: float) -> None:
         self.postures, self.dt, self._still = BodyPostures(robot), dt, np.zeros(robot.joints)

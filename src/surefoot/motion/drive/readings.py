@@ -11,6 +11,7 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray, real_number
 from surefoot.base.errors import ProblemError, unknown_name
+from surefoot.base.memory import Remembering
 from surefoot.base.spatial import tilt_of
 from surefoot.mechanics import Robot
 from surefoot.motion.drive.reading_checks import (
@@ -65,6 +66,14 @@ class RobotReadings(NamedTuple):
         """Return the readings with joints in another order, (joints,) numbers of them."""
         q, v, torques = self.positions[order], self.speeds[order], self.torques[order]
         return RobotReadings(*self[:4], q, v, torques, self.forces)
+
+    def arrange(self, order: IntArray) -> RobotReadings | None:
+        """Return the readings in another order, (joints,) numbers of joints; None for wrong shapes."""
+        joints = order.shape
+        rows = [np.asarray(row, dtype=np.float64) for row in self[1:7]]
+        if [row.shape for row in rows] != [(4,), (3,), (3,), joints, joints, joints]:
+            return None
+        return RobotReadings._make([float(self.time), *rows, self.forces]).ordered(order)
 
     def loaded_feet(self, least: float) -> BoolArray | None:
         """Return which (n,) feet bear more than a force [N] by their own sensors; None without any."""
@@ -126,7 +135,7 @@ class ReadingLimits:
             real_number(name, getattr(self, name), low=1e-6)
 
 
-class ReadingWatch:
+class ReadingWatch(Remembering):
     """Says of each reading why it cannot be used.
 
     Parameters
@@ -147,6 +156,11 @@ class ReadingWatch:
     reason
         What was wrong since then; empty while all is well.
     """
+
+    MEMORY = (
+        "last", "silent", "reason", "_clock", "_offset", "_said", "_last", "_repeated", "_contradictions",
+        "_kept",
+    )  # fmt: skip
 
     def __init__(self, robot: Robot, dt: float, limits: ReadingLimits) -> None:
         self.dt, self.limits = dt, limits

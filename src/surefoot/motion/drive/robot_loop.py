@@ -11,12 +11,14 @@ from numpy.typing import ArrayLike
 from surefoot.base.arrays import finite_array, of_kind, real_number
 from surefoot.base.errors import ProblemError, check_name
 from surefoot.base.loaded import SENSED
+from surefoot.base.memory import Remembering
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Actuators, FlatTerrain, Robot, Terrain, actuators_of, with_rotors
 from surefoot.motion.control.controller import Command, JointTargets, RobotState
 from surefoot.motion.drive.getting_up import FALLEN, TRIES, FallRecovery
 from surefoot.motion.drive.joint_targets import JointTargetController
 from surefoot.motion.drive.latency_compensation import LatencyCompensation
+from surefoot.motion.drive.loop_state import ResumableLoop
 from surefoot.motion.drive.modes import CONTROLLED, FOLLOWS, POWERLESS, LoopMode
 from surefoot.motion.drive.posture_player import PosturePlayer
 from surefoot.motion.drive.readings import ReadingLimits, ReadingWatch, RobotReadings, motor_order
@@ -38,7 +40,7 @@ SLOW = 0.05
 """Speed of a body, as a share of sqrt(g h), at which one that was commanded to stop stands."""
 
 
-class RobotLoop:
+class RobotLoop(ResumableLoop):
     """Turns a robot's readings into its joints' targets; call `step` at a fixed rate, and `go` at any time.
 
     Limits of joints, speeds and torques are enforced last. Readings that are late, repeated, not finite, out
@@ -80,8 +82,9 @@ class RobotLoop:
         Why control was lost last; empty after the next `go`.
     time
         Steps made times `dt` [s].
-    command, state
-        What the balance controller asked for in the last step, and for which state; None in modes without.
+    command, estimate
+        What the balance controller asked for in the last step, and the estimated state that it was given.
+        Both are None in modes without.
     walker
         The balance controller, for what it notes.
 
@@ -136,11 +139,18 @@ class RobotLoop:
         names = {LoopMode.WALK: chosen, LoopMode.STAND: chosen if chosen == "auto" else "stand"}
         made = {name: self._balance(name, mu, latency) for name in dict.fromkeys(names.values())}
         self._balances = {mode: made[name] for mode, name in names.items()}
+        words = robot.name, self.dt, self._order.tolist(), [*made], mu, latency, self.terrain, self.limits
+        self._make = repr((*words, imu_position, self._motors and self._motors.name)), made
         self.reset()
-        self._rehearse()
+        self.warm_up()
 
-    def _rehearse(self) -> None:
-        """Walk, damp and stand in imagination, for all that a step calls to be compiled or loaded."""
+    def _parts(self) -> dict[str, Remembering]:
+        """See `ResumableLoop`."""
+        watch, recovery = self.watch, self._recovery
+        return {"watch": watch, "recovery": recovery, "player": self._player, "tracker": self.tracker}
+
+    def warm_up(self) -> None:
+        """Make a dry run of damping, standing and walking, so that all kernels are compiled, and reset."""
         robot, q, v = self.robot, self.robot.nominal, np.zeros(self.robot.model.nv)
         start = RobotState(q, v, 0.0, np.ones(len(robot.feet), dtype=bool), v[6:])
         for walker, controller in dict.fromkeys(self._balances.values()):
@@ -166,13 +176,13 @@ class RobotLoop:
         self.mode, self.fault, self.time = LoopMode.DAMP, "", -self.dt
         self.watch.reset()
         self._recovery.reset()
-        self._velocity, self._posture = np.zeros(3), np.zeros(3)
+        self._velocity, self._posture, self._began = np.zeros(3), np.zeros(3), 0.0
         self._forget()
 
     def _forget(self) -> None:
         """Forget what the last mode was doing."""
         self.command: Command | None = None
-        self.state: RobotState | None = None
+        self.estimate: RobotState | None = None
         self._reading: Reading | None = None
         self._steered: tuple[bytes, ...] = ()
         self.walker, self._controller = self._balances[LoopMode.STAND]
@@ -267,7 +277,7 @@ class RobotLoop:
             By the clock of this side [s]; None where every step is exactly `dt` after the last.
         """
         self.time += self.dt
-        came = None if readings is None else self._order_readings(readings)
+        came = None if readings is None else readings.arrange(self._order)
         usable = self.watch.look(came, self.time if now is None else now)
         if self.mode not in POWERLESS:
             self._judge()
@@ -281,14 +291,6 @@ class RobotLoop:
         """Plan coming steps once the targets are sent: from its first call on `step` leaves that to it."""
         self.walker.answers_first = True
         self.walker.plan_ahead()
-
-    def _order_readings(self, readings: RobotReadings) -> RobotReadings | None:
-        """Return readings in the order of the robot's joints; None for wrong shapes."""
-        joints = (self.robot.joints,)
-        rows = [np.asarray(row, dtype=np.float64) for row in readings[1:7]]
-        if [row.shape for row in rows] != [(4,), (3,), (3,), joints, joints, joints]:
-            return None
-        return RobotReadings._make([float(readings.time), *rows, readings.forces]).ordered(self._order)
 
     def _judge(self) -> None:
         """Damp for good where control has been impossible for too long, or the robot has fallen."""
@@ -351,7 +353,7 @@ class RobotLoop:
         """Return the balance controller's targets."""
         self._choose()
         state = self._sense(usable)
-        self.state, self.command = state, self._controller.step(state)
+        self.estimate, self.command = state, self._controller.step(state)
         self.tracker.plan(self.command)
         return self.command.joint_targets or self._damp._replace(feedforward=self.command.torques)
 
@@ -386,13 +388,13 @@ class RobotLoop:
 
     def _still(self) -> bool:
         """Whether a robot that balances stands on all feet and hardly moves."""
-        feet, state = self.walker.feet, self.state
+        feet, state = self.walker.feet, self.estimate
         if feet is None or state is None or not feet.stance.all():
             return False
         return float(np.linalg.norm(state.v[:2])) < SLOW * math.sqrt(GRAVITY * self.walker.height)
 
     def _down(self) -> bool:
         """Whether the base leans as one that has fallen, or is as low by the estimate."""
-        q = None if self.state is None else self.state.q
+        q = None if self.estimate is None else self.estimate.q
         low = q is not None and q[2] - self.terrain.height(q[:2]) < LOW * self.robot.nominal[2]
         return bool(low) or self.watch.lean > self.limits.tilt

@@ -8,6 +8,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, real_number
 from surefoot.base.discrete_damping import DELAYED, largest_damping
+from surefoot.base.memory import Remembering
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot
 from surefoot.motion.control.controller import Command, RobotState
@@ -17,7 +18,7 @@ APPROACH = 0.4
 """Time in which the joints go to the nominal pose [s]."""
 
 
-class Standstill:
+class Standstill(Remembering):
     """Torques from the joints' own angles and speeds alone; the next call of `torques` is the first.
 
     A joint's stiffness is m g h per radian, h the height of the base: legs give way by a tenth of a radian
@@ -30,6 +31,8 @@ class Standstill:
     dt
         Time between steps [s].
     """
+
+    MEMORY = ("_start", "_time")
 
     def __init__(self, robot: Robot, dt: float) -> None:
         import pinocchio

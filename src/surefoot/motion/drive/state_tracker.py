@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.memory import Remembering
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Actuators, Robot, Terrain
 from surefoot.motion.control.controller import Command, RobotState
@@ -16,7 +17,7 @@ from surefoot.motion.estimation.inekf_robot import InvariantEkf
 from surefoot.motion.estimation.state_estimator import Health, Reading, StateEstimator
 
 
-class StateTracker:
+class StateTracker(Remembering):
     """Turns readings into states: a contact-aided invariant filter, given plan and torques step by step.
 
     Parameters
@@ -43,6 +44,8 @@ class StateTracker:
     estimator
         `StateEstimator`.
     """
+
+    MEMORY = ("estimator", "_standing", "_speeds")
 
     def __init__(
         self,
@@ -104,7 +107,8 @@ class StateTracker:
         touching = estimator.decide(sensed if measured is None else measured(sensed))
         q, v = estimator.update(touching, self._standing)
         self._speeds = v[6:]
-        return RobotState(q, v, time, touching, forces=estimator.forces)
+        # a copy: whoever keeps the state, as a dropout does, is not to find the forces of later steps in it
+        return RobotState(q, v, time, touching, forces=estimator.forces.copy())
 
     def plan(self, command: Command) -> None:
         """Tell what was commanded: which feet push until the next reading, which should stand."""

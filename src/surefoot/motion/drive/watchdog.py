@@ -77,6 +77,8 @@ class Watchdog(Wrapper):
         Age of a state from which it is stale [s].
     """
 
+    MEMORY = ("_last", "_now")
+
     def __init__(self, controller: Controller, robot: Robot, dt: float, patience: float = PATIENCE) -> None:
         super().__init__(controller)
         self.dt = real_number("dt", dt, low=1e-6)

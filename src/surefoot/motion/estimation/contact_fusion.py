@@ -31,6 +31,7 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, real_number
 from surefoot.base.live_arrays import Bound
+from surefoot.base.memory import Remembering
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot, Terrain
 
@@ -82,7 +83,7 @@ class TouchSettings:
             real_number(one.name, getattr(self, one.name), low=-20.0 if signed else 1e-6, high=1e3)
 
 
-class GroundLevel:
+class GroundLevel(Remembering):
     """Where the ground is: a map, or else the plane through where the feet stood last.
 
     Parameters
@@ -92,6 +93,8 @@ class GroundLevel:
     feet
         (n, 3) places on the ground to begin with, world axes [m].
     """
+
+    MEMORY = ("_feet", "_middle", "_level", "_slope")
 
     def __init__(self, ground: Terrain | None, feet: FloatArray) -> None:
         self._ground, self._feet = ground, feet.copy()
@@ -191,6 +194,8 @@ class ContactFusion(Bound):
     odds
         (n,) logarithms of the odds of contact.
     """
+
+    MEMORY = ("memory", "contact")
 
     def __init__(
         self, robot: Robot, settings: TouchSettings, noise: FloatArray, speed: float, mapped: bool

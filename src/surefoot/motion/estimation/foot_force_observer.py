@@ -60,6 +60,8 @@ class FootForceObserver(Bound):
         If dt is not positive, or the robot is bolted to the world or has no feet.
     """
 
+    MEMORY = ("_memory", "_flags")
+
     def __init__(
         self,
         robot: Robot,

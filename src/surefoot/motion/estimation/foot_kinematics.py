@@ -257,6 +257,8 @@ class FootKinematics(Bound):
         (n, nv) which velocities move each foot.
     """
 
+    MEMORY = ("memory", "_q")
+
     def __init__(self, robot: Robot, deviation: float) -> None:
         import pinocchio
 

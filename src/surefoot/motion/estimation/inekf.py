@@ -115,6 +115,8 @@ class InvariantFilter(Bound):
     (np.float64(0.1), True)
     """
 
+    MEMORY = ("memory", "flags")
+
     def __init__(self, feet: int, noise: FilterNoise | None = None, gate: float = GATE) -> None:
         self.n = whole_number("feet", feet, low=1)
         self.noise = noise or FilterNoise()

@@ -69,10 +69,12 @@ class InvariantEkf(Bound):
     >>> ekf.predict([0.0, 0.0, 0.0], [0.0, 0.0, 9.81])
     >>> ekf.update(robot.nominal[7:], np.zeros(12), [True] * 4)
     array([False, False, False, False])
-    >>> q, v = ekf.state()
+    >>> q, v = ekf.q_v()
     >>> bool(abs(q - robot.nominal).max() < 1e-9)
     True
     """
+
+    MEMORY = ("filter", "feet", "memory", "stances")
 
     def __init__(
         self,
@@ -143,7 +145,7 @@ class InvariantEkf(Bound):
         self._turn[:] = rate - self.filter.bias[:3]
 
     def joints(self, positions: ArrayLike, speeds: ArrayLike) -> None:
-        """Take the (joints,) angles [rad] and speeds [rad/s] that `state` holds from now on."""
+        """Take the (joints,) angles [rad] and speeds [rad/s] that `q_v` holds from now on."""
         self.q[7:], self.v[6:] = positions, speeds
 
     def update(self, positions: ArrayLike, speeds: ArrayLike, contact: ArrayLike) -> BoolArray:
@@ -204,7 +206,7 @@ class InvariantEkf(Bound):
         """The (joints,) angles [rad] and speeds [rad/s] that it was given last; they are overwritten."""
         return self.q[7:], self.v[6:]
 
-    def state(self) -> tuple[FloatArray, FloatArray]:
+    def q_v(self) -> tuple[FloatArray, FloatArray]:
         """Return the estimate q (nq,) [m, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""
         q, v = self.q.copy(), self.v.copy()
         base_state(self.filter.X, self._turn, self.imu_position, q, v)

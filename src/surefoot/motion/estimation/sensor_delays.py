@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray, real_number
+from surefoot.base.memory import Remembering
 from surefoot.motion.estimation.estimator_kernels import QUEUED
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ LATEST = 0.1
 """Largest latency [s]."""
 
 
-class Latency:
+class Latency(Remembering):
     """Lets the fresher readings wait, and goes on to now.
 
     Parameters
@@ -50,6 +51,8 @@ class Latency:
     ProblemError
         For a latency that is negative or longer than `LATEST`.
     """
+
+    MEMORY = ("memory", "counts", "_torques")
 
     def __init__(self, ekf: InvariantEkf, imu: float, encoders: float) -> None:
         dt = ekf.dt

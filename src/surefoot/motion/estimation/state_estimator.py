@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, real_number
+from surefoot.base.memory import Remembering
 from surefoot.base.spatial import GRAVITY
 from surefoot.motion.estimation.contact_fusion import (
     ContactFusion,
@@ -102,7 +103,7 @@ class WatchSettings:
             real_number(name, getattr(self, name), low=1e-6)
 
 
-class StateEstimator:
+class StateEstimator(Remembering):
     """Turns readings into q, v and contacts; see the module for how.
 
     Parameters
@@ -122,6 +123,11 @@ class StateEstimator:
     forces
         (n, 3) estimated forces on the feet, world axes [N].
     """
+
+    MEMORY = (
+        "ekf", "detector", "fusion", "latency", "ground", "_stood", "_sensed", "health", "forces", "_alone",
+        "_unheard", "_first",
+    )  # fmt: skip
 
     def __init__(
         self,

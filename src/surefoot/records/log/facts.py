@@ -84,6 +84,7 @@ FACTS: dict[str, Fact] = {
         "what touched beside feet on the ground, a line for each pair", ("touches",), text=True
     ),
     "duration": Fact("of the run as planned [s]"),
+    "resumed_at": Fact("time of the kept state from which the run went on [s]"),
     "outcome": Fact("how the run ended, see Ending", text=True),
     "error": Fact("what ended the run or its recording", text=True),
     "wall_time": Fact("real time of the run [s]"),

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from surefoot.base.errors import ProblemError, WriteError
-from surefoot.records.log import csv_file, mcap_file, npz, part_files, rosbag
+from surefoot.records.log import csv_file, kept_states, mcap_file, npz, part_files, rosbag
 from surefoot.records.log.contents import LogContents
 from surefoot.records.log.source import Source
 
@@ -96,10 +96,14 @@ def new_file(path: Path) -> tuple[Path, Callable[[Any, Path], None]]:
 def write_log(log: LogContents, path: Path, folder: Path | None = None) -> Path:
     """Write a log to a new file, and remove the folder of parts that its run left; see `Log.save`."""
     path, write = new_file(path)
+    if folder is not None and path.suffix.lower() != ".npz" and kept_states.kept_files(folder):
+        raise ProblemError(f"{path}: a log that has kept states is saved as .npz")
     try:
         path.open("xb").close()  # ours from here on
         try:
             write(log, path)
+            if folder is not None and path.suffix.lower() == ".npz":
+                kept_states.add_states(path, folder)
         except BaseException:
             path.unlink(missing_ok=True)
             raise

@@ -19,6 +19,7 @@ import numpy as np
 from surefoot.base.errors import ProblemError, WriteError, writing
 from surefoot.records.log.channels import SCHEMA, Channel, channels_from
 from surefoot.records.log.contents import StoredLog
+from surefoot.records.log.kept_states import remove_states
 from surefoot.records.log.npz import check_schema
 
 HEADER_BYTES = 256
@@ -122,6 +123,7 @@ def remove(folder: Path, names: Iterable[str]) -> None:
     """Delete the parts of a log by name, and the folder if nothing else lies in it."""
     for name in [*(f"{n}.npy" for n in names), FACTS_FILE, f".{FACTS_FILE}"]:
         (folder / name).unlink(missing_ok=True)
+    remove_states(folder)
     try:
         folder.rmdir()
     except OSError:

@@ -79,7 +79,7 @@ class BodyRun:
                 made.set_friction(GRIP)
                 follow(made, SETTLE)
                 made.set_friction(self.mu)
-                q = made.state()[0]
+                q = made.q_v()[0]
             made.reset(q, np.array(self.velocity, dtype=np.float64))
             return follow(made, self.duration)
         finally:
@@ -99,10 +99,10 @@ def fall(
 def follow(world: World, seconds: float) -> BodyTrack:
     """Return the path of a world that is left to itself for a time [s]."""
     steps, still = round(seconds / world.dt), np.zeros(world.robot.joints)
-    states, forces = [world.state()], []
+    states, forces = [world.q_v()], []
     for _ in range(steps):
         world.step(still)
-        states.append(world.state())
+        states.append(world.q_v())
         forces.append(world.contacts().forces)
     q, v = (np.array([state[k] for state in states]) for k in (0, 1))
     shape = (steps, len(world.contact_foot), 3)

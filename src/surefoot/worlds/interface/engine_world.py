@@ -56,7 +56,7 @@ class EngineWorld(ABC):
     def _place(self) -> None:
         """Put the engine's robot into the state that is held here."""
 
-    def state(self) -> tuple[FloatArray, FloatArray]:
+    def q_v(self) -> tuple[FloatArray, FloatArray]:
         """Return q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""
         return self._q.copy(), self._v.copy()
 

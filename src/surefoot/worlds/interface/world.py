@@ -73,7 +73,7 @@ class World(Protocol):
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
         """Put the robot at q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s] (None: zero), at time 0."""
 
-    def state(self) -> tuple[FloatArray, FloatArray]:
+    def q_v(self) -> tuple[FloatArray, FloatArray]:
         """Return q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""
 
     def step(self, torques: FloatArray, push: FloatArray | None = None) -> None:

@@ -75,7 +75,7 @@ class MjcfWorld(MujocoWorld):
         solref: Sequence[float] | None = None,
         solimp: Sequence[float] | None = None,
     ) -> None:
-        mujoco = self._mujoco = import_mujoco()
+        mujoco = self.mujoco = import_mujoco()
         self.actuators = file_actuators(robot)
         self.robot = with_rotors(robot, self.actuators.armature)
         self.dt, self.terrain = real_number("dt", dt, low=1e-6), ground_of(terrain)
@@ -118,7 +118,7 @@ class MjcfWorld(MujocoWorld):
 
     def _set_options(self, spec: Any, root: int) -> None:
         """Set the step and what reading forces needs; hang the payload on the base."""
-        mujoco, option = self._mujoco, spec.option
+        mujoco, option = self.mujoco, spec.option
         option.timestep, option.cone = self.dt, mujoco.mjtCone.mjCONE_ELLIPTIC
         option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
         option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
@@ -145,7 +145,7 @@ class MjcfWorld(MujocoWorld):
         first, ground = int(self._geoms[0]), self.ground_geoms[0]
         rank = [(self.model.geom_priority[g], self.model.geom_solmix[g]) for g in (first, ground)]
         deciding = first if rank[0] > rank[1] else ground
-        return world_softness(self._mujoco, self.model, deciding, self._bodies, log, load)
+        return world_softness(self.mujoco, self.model, deciding, self._bodies, log, load)
 
 
 def _read(mujoco: Any, path: str | Path) -> tuple[Any, Any]:

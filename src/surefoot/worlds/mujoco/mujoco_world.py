@@ -22,6 +22,7 @@ from surefoot.mechanics import Actuators, Geometry, Robot, Terrain, finite_vecto
 from surefoot.records import Log
 from surefoot.worlds.interface.actuated import equipped
 from surefoot.worlds.interface.world import ContactReading, ground_of
+from surefoot.worlds.interface.world_state import WorldState
 from surefoot.worlds.mujoco.actuators import fit_actuators
 from surefoot.worlds.mujoco.centripetal import step_with_centripetal
 from surefoot.worlds.mujoco.links import LinkContacts, add_links, generalised_force, owners
@@ -34,6 +35,7 @@ from surefoot.worlds.mujoco.readings import (
 )
 from surefoot.worlds.mujoco.readings import pinocchio_state as pinocchio_state
 from surefoot.worlds.mujoco.record_softness import world_softness
+from surefoot.worlds.mujoco.resuming import mujoco_state, resume_mujoco
 from surefoot.worlds.mujoco.spec import CONTACT_TIME, compile_spec, set_point_friction, surface_of
 from surefoot.worlds.mujoco.spec import add_ground as add_ground
 from surefoot.worlds.mujoco.spec import import_mujoco as import_mujoco
@@ -73,8 +75,8 @@ class MujocoWorld:
 
     Attributes
     ----------
-    model, data
-        MuJoCo's own.
+    mujoco, model, data
+        The module, and MuJoCo's own.
     applied
         (joints,) torques that the motors gave in the last step [N m].
     ground_geoms, base_body
@@ -119,7 +121,7 @@ class MujocoWorld:
             add_links(mujoco, spec, robot, geometry, surface_of(mu, solref, solimp))
         spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE  # 4.0.0: the sparse Hessian is wrong
         spec.option.timestep = self.dt
-        self._mujoco = mujoco
+        self.mujoco = mujoco
         spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # a lost state is an error
         self.model = compile_spec(spec, robot.name)
         if self.model.ntree == 1:  # looking for islands in one tree takes 1 us, and finds it
@@ -130,7 +132,7 @@ class MujocoWorld:
 
     def _take(self, feet: IntArray, base: int, links: bool, floors: Sequence[int] = ()) -> None:
         """Make data for the model, with (p,) geoms of the feet and the base's body; see `collision`."""
-        mujoco, robot = self._mujoco, self.robot
+        mujoco, robot = self.mujoco, self.robot
         names = [self.model.geom(i).name for i in range(self.model.ngeom)]
         self.ground_geoms = list(floors) or [i for i, name in enumerate(names) if name.startswith("ground")]
         self.data = mujoco.MjData(self.model)
@@ -155,7 +157,7 @@ class MujocoWorld:
     def _look_at_data(self) -> None:
         """Keep hold of arrays of MuJoCo's data that stay in their places, and of compiled functions."""
         data, first = self.data, self.robot.base_dof
-        self._advance = partial(self._mujoco.mj_step, self.model, data)
+        self._advance = partial(self.mujoco.mj_step, self.model, data)
         self._qpos, self._qvel, self._effort = data.qpos, data.qvel, data.qfrc_applied[first:]
         self._pushed = data.xfrc_applied[self.base_body, :3]
         self._places, self._twists, self._centres = data.geom_xpos, data.cvel, data.subtree_com
@@ -172,7 +174,7 @@ class MujocoWorld:
 
     def count_centripetal(self) -> None:
         """Have feet count the acceleration that MuJoCo leaves out, see `worlds.mujoco.centripetal`."""
-        self._advance = partial(step_with_centripetal, self._mujoco, self.model, self.data, self._owner)
+        self._advance = partial(step_with_centripetal, self.mujoco, self.model, self.data, self._owner)
 
     def divide(self, substeps: int) -> None:
         """Make each step in so many of MuJoCo's, 1 to 64, on ground as many times as fast as the default.
@@ -196,7 +198,7 @@ class MujocoWorld:
         """Put the robot at (nq,) q [m, -, rad], (nv,) v [m/s, rad/s] in Pinocchio's order, at time 0."""
         q = self.robot.configuration(q)
         v = None if v is None else finite_array("v", v, (self.robot.model.nv,))
-        self._mujoco.mj_resetData(self.model, self.data)
+        self.mujoco.mj_resetData(self.model, self.data)
         self._mean: ContactReading | None = None
         self._touching: set[tuple[str, str]] = set()
         self.data.qpos[:] = q
@@ -205,9 +207,25 @@ class MujocoWorld:
             self.data.qpos[3:7] = quaternion_wxyz(q[3:7])
             if v is not None:
                 self.data.qvel[:3] = base_velocity(q, v)
-        self._mujoco.mj_forward(self.model, self.data)
+        self.mujoco.mj_forward(self.model, self.data)
 
-    def state(self) -> tuple[FloatArray, FloatArray]:
+    @property
+    def state(self) -> WorldState:
+        """A copy of all that lasts from one step to the next, MuJoCo's warm start included."""
+        return mujoco_state(self)
+
+    def resume(self, state: WorldState) -> None:
+        """Go on from a state of a world that was made in the same way.
+
+        Raises
+        ------
+        ProblemError
+            For a state of another world; nothing has changed.
+        """
+        self._mean, self._touching = resume_mujoco(self, state)
+        self.applied = state.applied.copy()
+
+    def q_v(self) -> tuple[FloatArray, FloatArray]:
         """Return q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""
         q, v = self._qpos.copy(), self._qvel.copy()
         if self.robot.floating:
@@ -231,6 +249,7 @@ class MujocoWorld:
         elif self.base_body:
             self._pushed[:] = finite_vector("push", push, 3)
         if self.substeps == 1:
+            self._mean = None
             self._advance()
         else:
             self._finely()
@@ -251,7 +270,7 @@ class MujocoWorld:
         if rest.any() and self._mean.others is not None:
             places = self._mean.positions
             self._mean.others[:] += generalised_force(
-                self._mujoco, self.model, self.data, self._bodies, places, rest
+                self.mujoco, self.model, self.data, self._bodies, places, rest
             )
 
     def _drive(self, torques: FloatArray) -> None:
@@ -269,9 +288,9 @@ class MujocoWorld:
         """Return to the state before the last step; return the error that names the joint at fault."""
         data, (qpos, qvel) = self.data, self._before
         time = data.time - self.dt
-        self._mujoco.mj_resetData(self.model, data)
+        self.mujoco.mj_resetData(self.model, data)
         data.qpos[:], data.qvel[:], data.time = qpos, qvel, time
-        self._mujoco.mj_forward(self.model, data)
+        self.mujoco.mj_forward(self.model, data)
         fastest = int(np.argmax(np.abs(qvel)))
         joint = self.model.joint(int(self.model.dof_jntid[fastest])).name.split(":", 1)[-1]
         return SimulationError("motion", time, self.dt, joint, float(abs(qvel[fastest])))
@@ -290,7 +309,7 @@ class MujocoWorld:
     def softness(self, log: Log) -> dict[str, float]:
         """Return what the ground's softness means in a run: `sinking` [m], `creep` [m/s], `stopping` [m]."""
         load = float(np.linalg.norm(self.model.opt.gravity)) * (self.robot.mass + self.payload)
-        return world_softness(self._mujoco, self.model, self.ground_geoms[0], self._bodies, log, load)
+        return world_softness(self.mujoco, self.model, self.ground_geoms[0], self._bodies, log, load)
 
     def contacts(self) -> ContactReading:
         """Return forces, gaps and velocities at the feet's spheres during the last step.

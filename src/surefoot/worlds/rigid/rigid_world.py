@@ -5,6 +5,7 @@ A run of steps of `mechanics.dynamics`; the scheme and what it keeps are describ
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable
 from typing import NamedTuple, Unpack
 
@@ -33,6 +34,8 @@ from surefoot.mechanics import (
 from surefoot.records import Log
 from surefoot.worlds.interface.actuated import JointFriction, equipped
 from surefoot.worlds.interface.world import ContactReading
+from surefoot.worlds.interface.world_state import WorldState
+from surefoot.worlds.rigid.resuming import read_rigid_state, rigid_state
 from surefoot.worlds.rigid.rollout_record import RECORDER
 
 COLLISIONS: dict[str, Callable[[Robot], Geometry | None]] = {
@@ -203,10 +206,36 @@ class RigidWorld:
         if self.control is not None:
             self.control.restart()
         self._start = self.stepper.contacts(self._state)
+        self._resumed: WorldState | None = None
         self.last: Step | None = None
         self.unsolved, self.worst_residual, self.law_error = 0, 0.0, 0.0
 
-    def state(self) -> tuple[FloatArray, FloatArray]:
+    @property
+    def state(self) -> WorldState:
+        """A copy of all that lasts from one step to the next, the solver's warm start included."""
+        return rigid_state(self, self._state)
+
+    def resume(self, state: WorldState) -> None:
+        """Go on from a state of a world that was made in the same way.
+
+        What the ground did in the last step can be read; its single contacts (`touches`) and its derivative
+        are gone.
+
+        Raises
+        ------
+        ProblemError
+            For a state of another world; nothing has changed.
+        """
+        read = read_rigid_state(self, self._state, state)
+        own = state.own
+        self.set_friction(own["mu"])
+        if self.control is not None:
+            self.control.resume(own["control"])
+        self._state, self.last, self._resumed = read, None, copy.deepcopy(state)
+        self._start, self.applied = self.stepper.contacts(read), state.applied.copy()
+        self.unsolved, self.worst_residual, self.law_error = own["found"]
+
+    def q_v(self) -> tuple[FloatArray, FloatArray]:
         """Return q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""
         return self._state.q.copy(), self._state.v.copy()
 
@@ -251,6 +280,7 @@ class RigidWorld:
                 return
         torques = self._net(torques)
         self.last = step = (self.control or self.stepper).step(self._state, torques, push, self.mu)
+        self._resumed = None
         pushed = None if push is None else np.array(push, dtype=np.float64)
         # What `derivative` differentiates: copies, as callers may write into their arrays between steps.
         self._given = self._state, np.array(torques, dtype=np.float64), pushed, self.mu
@@ -281,6 +311,8 @@ class RigidWorld:
         without contacts velocities, gaps and positions are those at its start.
         """
         p, step, start = len(self.contact_foot), self.last, self._start
+        if self._resumed is not None:
+            return copy.deepcopy(self._resumed.reading)
         if step is None:
             velocities = start.velocities(self._state.v)
             seen = np.zeros(velocities.shape), start.gaps, velocities, start.positions
@@ -318,6 +350,8 @@ class RigidWorld:
 
     def touching(self) -> list[tuple[str, str]]:
         """Return names of bodies, feet or ground that touched in the last step, without feet on ground."""
+        if self._resumed is not None:
+            return list(self._resumed.touching)
         feet = set(self.robot.foot_names)
         pairs = [(touch.body, touch.other) for touch in self.touches()]
         return [(a, b) for a, b in pairs if not (a.split(":")[0] in feet and b == "ground")]
@@ -351,6 +385,8 @@ class RigidWorld:
 
         See `Stepper.stored`; before the first step soft contacts store what their overlap does.
         """
+        if self._resumed is not None:
+            return float(self._resumed.own["energy"])
         energy, law = self.stepper.energy(self._state), self.stepper.options.soft
         if law is None:
             return energy
@@ -359,4 +395,6 @@ class RigidWorld:
 
     def contact_work(self) -> float:
         """Return the work of the ground's impulses during the last step [J], see `Step.contact_work`."""
+        if self._resumed is not None:
+            return float(self._resumed.own["work"])
         return 0.0 if self.last is None else self.last.contact_work

@@ -193,7 +193,7 @@ def trajectory_gradient(rollout: Rollout, loss: Loss, wrt: Sequence[str]) -> Tra
     ----------
     rollout
         A function of named parameters that makes a `RigidWorld`, puts it in its place and steps it; what it
-        returns is not looked at. It is called several times. Controllers may look at `world.state()` and at
+        returns is not looked at. It is called several times. Controllers may look at `world.q_v()` and at
         the time, not remember, nor read contacts.
     loss
         A function of all states, q (n + 1, nq) [m, -, rad] and v (n + 1, nv) [m/s, rad/s] in Pinocchio's

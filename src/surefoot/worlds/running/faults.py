@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, real_number
 from surefoot.base.errors import ProblemError, check_name
+from surefoot.base.memory import Remembering
 from surefoot.base.spatial import quaternion_from_rotation, rotation_exp, rotation_from_quaternion
 from surefoot.mechanics import Robot
 from surefoot.motion import Command, RobotState
@@ -73,8 +74,10 @@ class Faults:
 
 
 @dataclass
-class ActiveFaults:
+class ActiveFaults(Remembering):
     """The faults of one run; made by `Faults.start`."""
+
+    MEMORY = ("generator", "_queue", "_reached")
 
     levels: Faults
     strength: FloatArray

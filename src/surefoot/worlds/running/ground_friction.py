@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.errors import ProblemError
+from surefoot.base.memory import Remembering
 from surefoot.records import CHANNELS, Channel
 from surefoot.worlds.interface.world import ContactReading, World
 from surefoot.worlds.running.scenario import Scenario
 
 
-class GroundFriction:
+class GroundFriction(Remembering):
     """Sets the friction of a world step by step.
 
     Parameters
@@ -35,6 +36,8 @@ class GroundFriction:
     ProblemError
         For patches in a world that has one friction everywhere.
     """
+
+    MEMORY = ("mu", "_changes", "_under")
 
     def __init__(self, world: World, scenario: Scenario) -> None:
         if scenario.patches and not hasattr(world, "set_point_friction"):

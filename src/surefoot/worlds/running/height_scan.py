@@ -14,6 +14,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, real_number
 from surefoot.base.errors import ProblemError
+from surefoot.base.memory import Remembering
 from surefoot.base.spatial import rotation_about, rotation_exp, rotation_from_quaternion
 from surefoot.mechanics import Robot, Terrain
 from surefoot.motion import HeightScan
@@ -88,7 +89,7 @@ class RangeSensor:
             raise ProblemError("a range sensor needs at least 2 x 2 rays")
 
 
-class ActiveRangeSensor:
+class ActiveRangeSensor(Remembering):
     """A range sensor at work on a robot and a true terrain.
 
     Parameters
@@ -109,6 +110,8 @@ class ActiveRangeSensor:
     ProblemError
         For numbers that no sensor has.
     """
+
+    MEMORY = ("_random", "_true_mounting", "_true_place", "_count", "_waiting")
 
     def __init__(
         self, model: RangeSensor, robot: Robot, terrain: Terrain, dt: float, seed: int | None

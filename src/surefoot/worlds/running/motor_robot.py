@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, real_number
+from surefoot.base.memory import Memory, Remembering
 from surefoot.base.spatial import quaternion_from_rotation, rotation_from_quaternion
 from surefoot.mechanics import Robot, Terrain
 from surefoot.motion import BodyPostures, JointTargets, RobotReadings, damping_targets, motor_order
+from surefoot.worlds.interface.world_state import WorldState
 from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
 from surefoot.worlds.running.sensors import SensorModel, Sensors
 
@@ -22,7 +24,7 @@ DROP = 0.01
 """How high above the ground a robot that lies is let go [m]."""
 
 
-class MotorRobot:
+class MotorRobot(Remembering):
     """Takes joint targets and gives readings; nothing else of the robot's motion is known outside.
 
     The drives close their loop at every step of the world, see `JointTargets.torques`, within the motors'
@@ -48,6 +50,8 @@ class MotorRobot:
     torques
         (joints,) that the motors gave last [N m].
     """
+
+    MEMORY = ("sensors", "_error", "_queue", "torques", "_count", "_given")
 
     def __init__(
         self,
@@ -81,6 +85,23 @@ class MotorRobot:
         """Put the robot on its belly, legs folded."""
         self.reset(lying(self.robot, self.world.terrain))
 
+    @property
+    def state(self) -> tuple[WorldState, Memory]:
+        """A copy of all that lasts from one reading to the next: of the world, and of sensors and targets."""
+        return self.world.state, self.remembered()
+
+    def go_on(self, state: tuple[WorldState, Memory]) -> None:
+        """Go on from the `state` of a robot that was made in the same way, to the last bit.
+
+        Raises
+        ------
+        ProblemError
+            For one that does not fit.
+        """
+        world, own = state
+        self.world.resume(world)
+        self.resume(own)
+
     def take(self, targets: JointTargets | None) -> None:
         """Take (joints,) targets for the drives; None damps the joints, as when nothing comes any more."""
         self._given = self._damp if targets is None else targets
@@ -94,14 +115,14 @@ class MotorRobot:
         """Go on to the next reading, under a (3,) force on the base [N], world axes."""
         for _ in range(self._steps):
             self._queue.append(self._given)
-            q, v = self.world.state()
+            q, v = self.world.q_v()
             self.world.step(self._queue[0].torques(q[7:], v[6:]), push)
         self.torques = np.asarray(self.world.applied)
         self._count += 1
 
     def read(self) -> RobotReadings:
         """Return what sensors and motors say now; once a step."""
-        q, v = self.world.state()
+        q, v = self.world.q_v()
         reading = self.sensors.read(q, v)
         attitude = quaternion_from_rotation(self._error @ rotation_from_quaternion(q[3:7]))
         return RobotReadings(self.time, attitude, *reading, self.sensors.torques(self.torques))

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
 
 from surefoot.base.arrays import FloatArray
+from surefoot.base.memory import Remembering
 from surefoot.motion import Command
 from surefoot.records import Log
 from surefoot.worlds.interface.world import ContactReading
@@ -80,7 +81,7 @@ class RunProgress(Observer):
             self._next = moment.time + EVERY
 
 
-class LinkContactObserver(Observer):
+class LinkContactObserver(Observer, Remembering):
     """Counts the steps in which pairs that are no foot on the ground touched.
 
     Parameters
@@ -93,6 +94,8 @@ class LinkContactObserver(Observer):
     found
         Pair of names to when it first touched [s], and in how many steps.
     """
+
+    MEMORY = ("found",)
 
     def __init__(self, world: Any) -> None:
         self._touching: Callable[[], list[tuple[str, str]]] | None = getattr(world, "touching", None)

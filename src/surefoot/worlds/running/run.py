@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
+import copy
 import gc
 import math
 import time as clock
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.errors import ProblemError, SurefootError, WriteError
 from surefoot.base.loaded import loaded_feet
+from surefoot.base.memory import Remembering
 from surefoot.base.spatial import GRAVITY
-from surefoot.motion import Command, Controller, RobotState, Standstill, as_controller
+from surefoot.motion import Command, Controller, RobotState, Standstill, as_controller, state_of
 from surefoot.records import CHANNELS, Channel, Ending, Log, Recorder
 from surefoot.worlds.interface.world import World
 from surefoot.worlds.interface.world_facts import facts_before
+from surefoot.worlds.interface.world_state import world_state
 from surefoot.worlds.running.faults import Faults
 from surefoot.worlds.running.ground_friction import GroundFriction
 from surefoot.worlds.running.observers import LinkContactObserver, Moment, Observer
+from surefoot.worlds.running.run_state import RunState, StateKeeper, check_resumable, setting_of
 from surefoot.worlds.running.scenario import Ice as Ice
 from surefoot.worlds.running.scenario import IcePatch as IcePatch
 from surefoot.worlds.running.scenario import Push as Push
@@ -54,6 +58,9 @@ def run(
     scenario: Scenario | None = None,
     observers: Sequence[Observer] = (),
     folder: Path | None = None,
+    *,
+    keep: StateKeeper | None = None,
+    resume: RunState | None = None,
 ) -> Log:
     """Run the controller in the world and return the log, also when interrupted or fallen.
 
@@ -68,6 +75,12 @@ def run(
     folder
         New folder that the log's rows go to as they come, where `read_log` finds what a killed run leaves;
         None to put only a long log on the disk, in a temporary one.
+    keep
+        What takes states of the run on the way; None to keep none.
+    resume
+        A state of a run to go on from, to the last bit: with a world and a controller that were made in the
+        same way, and a scenario in which pushes, patches, dropouts and the end alone may be others. The log
+        begins there. None for a run from its start.
 
     Returns
     -------
@@ -79,11 +92,12 @@ def run(
     ------
     ProblemError
         For what is no world, controller or scenario, naming what it lacks; faults that do not fit the robot,
-        or channels of the controller that are no channels.
+        or channels of the controller that are no channels. For states to be kept of, or resumed in, a world
+        or a controller that does not tell its own, and for one of another run.
     SimulationError, WriteError
         If not even the first step could be made and logged.
     """
-    lacks = [name for name in ("robot", "terrain", "step", "contacts") if not hasattr(world, name)]
+    lacks = [name for name in ("robot", "terrain", "step", "contacts", "q_v") if not hasattr(world, name)]
     if lacks:
         kind = type(world).__name__
         raise ProblemError(f"world must be one as sf.MujocoWorld(robot) is, {kind} lacks {', '.join(lacks)}")
@@ -93,18 +107,28 @@ def run(
         raise ProblemError(f"scenario must be a Scenario, as sf.Scenario(5.0) is one, got {scenario!r:.60}")
     q, v = scenario.begin(world)
     world.reset(q)
-    controller.warm_up(RobotState(*world.state(), 0.0, np.ones(len(world.robot.feet), dtype=bool)))
+    check_resumable(world, controller, keep is not None or resume is not None)
+    if keep is not None:
+        keep.steps(world.dt)
+    if resume is not None:
+        resume.check(setting_of(world, controller, scenario), scenario.steps(world.dt))
+    controller.warm_up(RobotState(*world.q_v(), 0.0, np.ones(len(world.robot.feet), dtype=bool)))
     world.step(np.zeros(world.robot.joints))  # so that no step of the run waits for a compiler
     world.reset(q, v)
     height = float(q[2] - world.terrain.height(q[:2]))
-    out = _Run(world, controller, scenario, folder)
+    out = _Run(world, controller, scenario, folder, height)
+    if keep is not None:
+        out.keep(keep)
+    if resume is not None:
+        out.resume(resume)
     gc.freeze()  # so that no step waits while the collector looks at what was there before
     try:
-        log = out.carry_out(observers, height)
+        log = out.carry_out(observers)
     finally:
         gc.unfreeze()
     declare = getattr(world, "softness", None)
     log.facts.update({} if declare is None else declare(log))
+    log.facts.update({} if resume is None else {"resumed_at": resume.time})
     for observer in observers:
         observer.end(log)
     return log
@@ -144,8 +168,11 @@ def _recorder(
 class _Run:
     """A world that has been reset, and all that takes part."""
 
-    def __init__(self, world: World, controller: Controller, scenario: Scenario, folder: Path | None) -> None:
-        self.world, self.controller, self.scenario = world, controller, scenario
+    def __init__(
+        self, world: World, controller: Controller, scenario: Scenario, folder: Path | None, height: float
+    ) -> None:
+        """Take what takes part; `height` is that of the base over the ground at the start [m]."""
+        self.world, self.controller, self.scenario, self.height = world, controller, scenario, height
         self.faults = (scenario.faults or Faults()).start(world, scenario.seed)
         self.sensing: Sensing = TrueState(self.faults)
         if scenario.sensors is not None:
@@ -165,15 +192,56 @@ class _Run:
             (part, [c.name for c in by.channels]) for part, by in parts if by.channels or not part
         ]
 
-    def carry_out(self, observers: Sequence[Observer], height: float) -> Log:
-        """Step to the end, a fall, Ctrl-C or a loss and return the log.
+        self._first, self._stopped = 0, math.inf
+        self._command: Command | None = None
+        self._keeper: StateKeeper | None = None
+        self._every = scenario.steps(world.dt) + 1  # steps between kept states: none
 
-        `height` is that of the base over the ground at the start [m].
-        """
+    @property
+    def _parts(self) -> dict[str, Remembering]:
+        """What remembers something between world and controller, by name."""
+        sensing: Any = self.sensing
+        return {
+            "sensing": sensing, "exteroception": self.exteroception, "faults": self.faults,
+            "friction": self.ground, "touches": self.touches, "standstill": self.stop,
+        }  # fmt: skip
+
+    def keep(self, keeper: StateKeeper) -> None:
+        """Keep states from now on."""
+        self._keeper, self._every = keeper, keeper.steps(self.world.dt)
+
+    def resume(self, state: RunState) -> None:
+        """Go on from a state, or leave nothing behind and raise for one that does not fit."""
+        world, controller = cast(Any, self.world), cast(Any, self.controller)
+        try:
+            world.resume(state.world)
+            controller.resume(state.controller)
+            for name, part in self._parts.items():
+                part.resume(state.parts[name])
+        except SurefootError:
+            self.recorder.abandon()
+            raise
+        except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
+            self.recorder.abandon()
+            raise ProblemError(f"the state does not fit this run: {type(error).__name__} {error}") from error
+        self.height, self._first, self._stopped = state.height, state.step, state.stopped
+        self._command = copy.deepcopy(state.command)
+
+    def _state(self, step: int, command: Command | None, stopped: float) -> RunState:
+        """Return the state before a step."""
+        parts = {name: part.remembered() for name, part in self._parts.items()}
+        return RunState(
+            step, step * self.world.dt, self.height, stopped,
+            setting_of(self.world, self.controller, self.scenario), world_state(self.world),
+            state_of(self.controller), parts, copy.deepcopy(command),
+        )  # fmt: skip
+
+    def carry_out(self, observers: Sequence[Observer]) -> Log:
+        """Step to the end, a fall, Ctrl-C or a loss and return the log."""
         begin, worked, recorder = clock.perf_counter(), clock.thread_time(), self.recorder
         more: dict[str, Any] = {}
         try:
-            ending = self._loop(observers, height)
+            ending = self._loop(observers)
         except (KeyboardInterrupt, SurefootError) as stop:
             if recorder.count == 0:
                 recorder.abandon()
@@ -193,18 +261,20 @@ class _Run:
         times = {"wall_time": clock.perf_counter() - begin, "cpu_time": clock.thread_time() - worked}
         return recorder.finish({"outcome": str(ending), **times, **more})
 
-    def _loop(self, observers: Sequence[Observer], height: float) -> Ending:
+    def _loop(self, observers: Sequence[Observer]) -> Ending:
         """Step the world to the end, a fall, or a stop because the state is not known."""
         world, scenario, faults, sensing = self.world, self.scenario, self.faults, self.sensing
         foot, feet = world.contact_foot, len(world.robot.feet)
         weight = world.robot.mass * GRAVITY
-        reading, command, stopped = world.contacts(), None, math.inf
-        for k in range(scenario.steps(world.dt)):
+        reading, command, stopped = world.contacts(), self._command, self._stopped
+        for k in range(self._first, scenario.steps(world.dt)):
+            if self._keeper is not None and k % self._every == 0:
+                self._keeper.take(self._state(k, command, stopped))
             # what the world is like, and what the controller makes of it
             now = k * world.dt
             self.ground.advance(now, reading)
             push = push_at(scenario.pushes, now) if scenario.pushes else None
-            q, v = world.state()
+            q, v = world.q_v()
             state = sensing.state(q, v, now, touching_feet(foot, reading.forces, feet, weight))
             state = self.exteroception.add(state, q, reading)
             start = clock.perf_counter()
@@ -228,7 +298,7 @@ class _Run:
                 if now - stopped >= STOP_TIME:
                     return Ending.LOST
             if k % LOOK_EVERY == 0:
-                fallen = scenario.fall.happened(q, height, world.terrain)
+                fallen = scenario.fall.happened(q, self.height, world.terrain)
                 if fallen is not None:
                     return fallen
         return Ending.LOST if sensing.failure else Ending.DONE

@@ -12,6 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.memory import Remembering
 from surefoot.mechanics import frames_on
 from surefoot.motion import Command, RobotState, StateTracker
 from surefoot.records import CHANNELS, Channel
@@ -54,8 +55,10 @@ class Sensing(Protocol):
         return {}
 
 
-class TrueState(Sensing):
+class TrueState(Sensing, Remembering):
     """Tells the true state with the simple noise of `Faults`, and which feet truly touch."""
+
+    MEMORY = ("failure", "heard")
 
     def __init__(self, faults: ActiveFaults) -> None:
         self._faults = faults
@@ -65,7 +68,7 @@ class TrueState(Sensing):
         return RobotState(*self._faults.sense(q, v), time, contact)
 
 
-class EstimatedState(Sensing):
+class EstimatedState(Sensing, Remembering):
     """Tells what a contact-aided invariant filter makes of IMU, encoders and torques; see docs/estimation.md.
 
     Parameters
@@ -86,6 +89,8 @@ class EstimatedState(Sensing):
     channels = tuple(
         CHANNELS[name] for name in ("q_estimated", "v_estimated", "contact_estimated", "estimator_time")
     )
+
+    MEMORY = ("failure", "heard", "sensors", "tracker", "_started")
 
     def __init__(self, model: SensorModel, world: World, seed: int | None) -> None:
         robot = world.robot
@@ -128,7 +133,7 @@ class EstimatedState(Sensing):
         }  # fmt: skip
 
 
-class ExteroceptiveSensing:
+class ExteroceptiveSensing(Remembering):
     """Range scan and foot forces of a run, added to a state that lacks them.
 
     Parameters
@@ -140,6 +145,8 @@ class ExteroceptiveSensing:
     seed
         Of the sensor's random numbers.
     """
+
+    MEMORY = ("_scanner",)
 
     def __init__(self, world: World, scanner: RangeSensor | None, seed: int | None) -> None:
         self._terrain, self._foot, self._feet = world.terrain, world.contact_foot, len(world.robot.feet)

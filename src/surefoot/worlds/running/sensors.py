@@ -10,6 +10,7 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, real_number
 from surefoot.base.errors import ProblemError
+from surefoot.base.memory import Remembering
 from surefoot.base.spatial import GRAVITY, quaternion_from_rotation, rotation_exp, rotation_from_quaternion
 from surefoot.mechanics import Robot
 from surefoot.motion import FilterNoise, Reading
@@ -177,7 +178,7 @@ class SensorModel:
             raise ProblemError("the ranges of an IMU must be positive")
 
 
-class Sensors:
+class Sensors(Remembering):
     """The sensors of one run; made new for each.
 
     Parameters
@@ -196,6 +197,11 @@ class Sensors:
     ProblemError
         For a model with numbers that no sensor has.
     """
+
+    MEMORY = (
+        "_random", "_memory", "_imu", "_legs", "_motion", "_first", "_touched", "_hidden", "_false_until",
+        "_time", "_factors",
+    )  # fmt: skip
 
     def __init__(self, model: SensorModel, robot: Robot, dt: float, seed: int | None = None) -> None:
         model.check()

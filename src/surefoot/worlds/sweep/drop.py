@@ -101,12 +101,12 @@ class DropExperiment(GroundExperiment):
 
     def _results(self, world: Any, weight: float) -> dict[str, Any]:
         """Step the world until the body rests or the time is over, and return what happened."""
-        start = world.state()[0][:3]
+        start = world.q_v()[0][:3]
         force, depth, lowest, bounce, moving = 0.0, 0.0, math.inf, 0.0, 0.0
         rested = False
         for _ in range(max(1, round(self.duration / self.dt))):
             world.step(NO_TORQUES)
-            q, v = world.state()
+            q, v = world.q_v()
             height, pushed = float(q[2] - world.terrain.height(q[:2])), world.last.forces.sum(axis=0)
             if pushed.any():
                 force = max(force, math.hypot(*pushed))

@@ -77,7 +77,7 @@ def test_the_motion_runs_again_without_feedback_and_in_the_rigid_world(hop) -> N
     world.reset(motion.q[0], motion.v[0])
     for k, torques in enumerate(motion.torques[:5]):
         world.step(torques)
-        assert np.abs(world.state()[0] - motion.q[k + 1]).max() < 3e-3
+        assert np.abs(world.q_v()[0] - motion.q[k + 1]).max() < 3e-3
     assert world.unsolved == 0
 
 

@@ -27,7 +27,7 @@ class ForwardModel(Protocol):
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
         """Put the robot at (nq,) q and (nv,) v (Pinocchio's order; zero for None), at time 0."""
 
-    def state(self) -> tuple[FloatArray, FloatArray]:
+    def q_v(self) -> tuple[FloatArray, FloatArray]:
         """Return q (nq,) and v (nv,) in Pinocchio's order."""
 
     def step(self, torques: FloatArray) -> None:
@@ -57,7 +57,7 @@ class RigidModel:
         self._state: State = self.stepper.start(q, v)
         self.worst_residual, self.unsolved = 0.0, 0
 
-    def state(self) -> tuple[FloatArray, FloatArray]:
+    def q_v(self) -> tuple[FloatArray, FloatArray]:
         """Return q (nq,) and v (nv,)."""
         return self._state.q, self._state.v
 

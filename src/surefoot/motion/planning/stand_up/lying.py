@@ -52,11 +52,11 @@ def lying_plan(model: RigidModel, law: Postures, start: FloatArray, search: Plan
     steps = round(law.duration / model.dt)
     rows: list[dict[str, Any]] = []
     for k in range(steps):
-        q, v = model.state()
+        q, v = model.q_v()
         torques = law.torques(law.at(k * model.dt, start[7:]), q[7:], v[6:])
         model.step(torques)
         rows.append({"q": q.copy(), "v": v.copy(), "torques": torques, **model.row()})
-    q, v = model.state()
+    q, v = model.q_v()
     arrays: dict[str, Any] = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     lean, height = upright(q), float(q[2]) / float(robot.nominal[2])
     ends = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]

@@ -146,9 +146,9 @@ class _Rollouts:
         model.reset(q)
         law = Postures.of(self.robot, np.ones(1), folded[None], *self._gains)
         for _ in range(round(1.5 / model.dt)):
-            q, v = model.state()
+            q, v = model.q_v()
             model.step(law.torques(folded, q[7:], v[6:]))
-        return model.state()[0].copy()
+        return model.q_v()[0].copy()
 
     def cost(self, point: FloatArray, start: FloatArray) -> float:
         """Return the cost of a sample: not upright or late, not over folded legs, not risen, not at rest."""
@@ -160,7 +160,7 @@ class _Rollouts:
         try:
             for k in range(round(law.duration / model.dt)):
                 time = k * model.dt
-                q, v = model.state()
+                q, v = model.q_v()
                 if time >= gathered > time - model.dt:
                     missing = 4.0 * (1.0 - upright(q)) + 0.3 * float(np.abs(q[7:] - self.folded).max())
                     if missing > 1.0:  # does not get up: not worth the rest
@@ -172,7 +172,7 @@ class _Rollouts:
                 model.step(law.torques(law.at(time, start[7:]), q[7:], v[6:]))
         except SimulationError:
             return math.inf
-        q, v = model.state()
+        q, v = model.q_v()
         low = abs(float(q[2] - self.robot.nominal[2])) / float(self.robot.nominal[2])
         rest = float(np.abs(v[:6]).max()) + float(np.abs(q[7:] - self.robot.nominal[7:]).max())
         return 4.0 * (1.0 - upright(q)) + 2.0 * low + 0.3 * rest + 0.05 * late + blow + 10.0 * over

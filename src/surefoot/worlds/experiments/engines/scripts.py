@@ -99,7 +99,7 @@ def newton(scene: dict[str, Any]) -> tuple[list[Any], float]:
     with warp.ScopedDevice("cpu"):
         model = builder.finalize()
         solver = getattr(engine.solvers, "Solver" + scene["solver"])(model)
-        state, after, control = model.state(), model.state(), model.control()
+        state, after, control = model.q_v(), model.q_v(), model.control()
         pipeline = engine.CollisionPipeline(model)
         contacts = pipeline.contacts()
         speeds = np.array([[*given["velocity"], 0.0, 0.0, 0.0] for given in scene["bodies"]])
