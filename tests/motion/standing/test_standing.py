@@ -1,13 +1,16 @@
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pinocchio as pin
 import pytest
 
 import surefoot as sf
 from surefoot.base.spatial import GRAVITY
-from surefoot.mechanics.statics.allocation import ExactAllocation, SolverAllocation
+from surefoot.mechanics.statics.allocation import ExactAllocation
 from surefoot.motion.control.controller import RobotState
+from surefoot.motion.standing.stand_state import StandState
 from surefoot.motion.standing.standing_controller import StandingController, default_normal_bounds
 from surefoot.motion.standing.standing_plan import Lift, StandingPlan
 
@@ -28,15 +31,14 @@ def random_state(robot: sf.Robot, q: np.ndarray, rng: np.random.Generator, size:
 FEET = [[0.2, 0.15, 0.0], [0.2, -0.15, 0.0], [-0.2, 0.15, 0.0], [-0.2, -0.15, 0.0]]
 
 
-@pytest.mark.parametrize(("solver", "facets"), [("distribution", None), ("auto", 8)])
-def test_symmetric_stance_shares_the_weight(solver: str, facets: int | None) -> None:
+def test_symmetric_stance_shares_the_weight() -> None:
     """The textbook case: each leg m g / 4, tangential near zero, inside the cone."""
     stance = sf.Stance([sf.PointContact(p, mu=0.6) for p in FEET])
     mass = 15.0
     A = stance.grasp_map(about=[0.0, 0.0, 0.3])
     wrench = np.array([0.0, 0.0, mass * GRAVITY, 0.0, 0.0, 0.0])
     weights = np.array([1.0, 1.0, 1.0, 10.0, 10.0, 10.0])
-    allocation = SolverAllocation(np.full(4, 0.6), weights, 1e-4, solver, facets)
+    allocation = ExactAllocation(np.full(4, 0.6), weights, 1e-4)
     forces = allocation.share(A, wrench, np.zeros(4), np.full(4, 250.0))
     np.testing.assert_allclose(forces[:, 2], mass * GRAVITY / 4, rtol=1e-4)
     np.testing.assert_allclose(forces[:, :2], 0.0, atol=1e-3)
@@ -108,6 +110,60 @@ def test_integral_takes_up_an_unknown_load_and_is_bounded() -> None:
     assert last - first <= 0.6 * robot.mass * GRAVITY + 1e-6
     controller.reset()
     assert controller.step(RobotState(low, v, 0.0)).wrench_desired[2] == pytest.approx(first)
+
+
+# the state as a value
+
+
+def commands(controller: StandingController, states: list[RobotState]) -> list[np.ndarray]:
+    rows = []
+    for state in states:
+        c = controller.step(state)
+        rows.append(np.concatenate([c.torques, c.forces.ravel(), c.wrench_desired, c.wrench_error]))
+    return rows
+
+
+def disturbed(robot: sf.Robot, q: np.ndarray) -> list[RobotState]:
+    """States over a lift of FL from 0.6 to 0.9 s, some of which ask for more than nine tenths of friction."""
+    rng = np.random.default_rng(3)
+    return [RobotState(*random_state(robot, q, rng, 0.05), 0.005 * k) for k in range(240)]
+
+
+@pytest.mark.parametrize("at", [0, 1, 60, 119, 121, 170])
+@pytest.mark.parametrize("written", [False, True])
+def test_a_stand_that_is_resumed_goes_on_to_the_last_bit(at: int, written: bool) -> None:
+    lifts = (Lift("FL", 0.6, 0.9),)
+    robot, q, first = standing(lifts=lifts)
+    states = disturbed(robot, q)
+    commands(first, states[:at])
+    state = first.state
+    kept = first.state
+    want = commands(first, states[at:])
+    assert state == kept  # a copy: going on changes nothing in it
+    assert (first.state == state) is (at == len(states))
+    if written:
+        arrays, facts = state.to_arrays()
+        state = StandState.from_arrays(arrays, json.loads(json.dumps(facts)))
+        assert state == kept
+    *_, other = standing(lifts=lifts)
+    commands(other, states[100:110])  # a past of its own, which is forgotten
+    for _ in range(2):
+        other.resume(state)
+        assert other.state == kept
+        np.testing.assert_array_equal(commands(other, states[at:]), want)
+
+
+def test_resuming_nothing_is_the_beginning_and_a_blind_step_changes_nothing() -> None:
+    robot, q, controller = standing()
+    states = disturbed(robot, q)[:40]
+    want = commands(controller, states)
+    controller.resume(None)
+    np.testing.assert_array_equal(commands(controller, states[:20]), want[:20])
+    before = controller.state
+    controller.step(RobotState(np.full(robot.model.nq, np.nan), states[0].v, 0.0))
+    assert controller.state == before
+    np.testing.assert_array_equal(commands(controller, states[20:]), want[20:])
+    assert controller.state != before
 
 
 # kernels against plain NumPy and Pinocchio
