@@ -12,6 +12,7 @@ from surefoot.mechanics.statics.allocation import ExactAllocation
 from surefoot.motion.control.controller import RobotState
 from surefoot.motion.standing.stand_state import StandState
 from surefoot.motion.standing.standing_controller import StandingController, default_normal_bounds
+from surefoot.motion.standing.standing_kernels import foot_impedance, pd_wrench
 from surefoot.motion.standing.standing_plan import Lift, StandingPlan
 
 
@@ -178,6 +179,49 @@ def test_the_grasp_map_of_a_command_is_that_of_its_stance() -> None:
         np.testing.assert_allclose(
             command.grasp_map, robot.stance(state).grasp_map(robot.com(state)), atol=1e-12
         )
+
+
+def test_the_wanted_wrench_is_that_of_a_critically_damped_rigid_body() -> None:
+    rng = np.random.default_rng(4)
+    now, reference = (pin.exp3(0.4 * rng.normal(size=3)) for _ in range(2))
+    q, v, place, speed, change, integral = (rng.normal(size=size) for size in (19, 18, 3, 3, 3, 6))
+    half = rng.normal(size=(3, 3))
+    inertia, (mass, omega, turn) = half @ half.T + np.eye(3), (12.0, 7.0, 9.0)
+    wrench, pull = pd_wrench(
+        now, reference, q, v, place, speed, change, inertia, mass, omega, turn, GRAVITY, integral
+    )
+    world = now @ inertia @ now.T
+    miss = pin.log3(reference @ now.T)
+    stiff = np.concatenate([mass * omega**2 * (place - q[:3]), turn**2 * world @ miss])
+    force = mass * (2 * omega * (speed - now @ v[:3]) + change + [0.0, 0.0, GRAVITY])
+    moment = -2 * turn * world @ now @ v[3:6]
+    np.testing.assert_allclose(pull, stiff, rtol=1e-12, atol=1e-10)
+    np.testing.assert_allclose(wrench, stiff + integral + [*force, *moment], rtol=1e-12, atol=1e-10)
+
+
+def test_a_lifted_foot_answers_as_a_unit_mass_on_a_critically_damped_spring() -> None:
+    """By Pinocchio's Jacobian and mass matrix, in NumPy; no entry below the diagonal of M is read."""
+    robot, q, _ = standing()
+    rng = np.random.default_rng(5)
+    for foot in robot.feet:
+        state, v = random_state(robot, q, rng, 0.3)
+        miss, velocity = 0.02 * rng.normal(size=3), rng.normal(size=3)
+        M = np.triu(pin.crba(robot.model, robot.data, state))
+        J = pin.computeJointJacobians(robot.model, robot.data, state)
+        pin.updateFramePlacements(robot.model, robot.data)
+        place = robot.data.oMf[foot.frame].act(foot.centre)
+        rows = J[:3] - pin.skew(place) @ J[3:]
+        support = robot.contact_points.foot_support[robot.feet.index(foot)]
+        rows = np.where(support, rows, 0.0)
+        legs = np.flatnonzero(support[6:]) + 6
+        own = (M + np.triu(M, 1).T)[np.ix_(legs, legs)]
+        mobility = rows[:, legs] @ np.linalg.inv(own) @ rows[:, legs].T
+        mobility += 1e-3 * np.trace(mobility) * np.eye(3)
+        want = np.zeros(12)
+        force = np.linalg.solve(mobility, 30.0**2 * miss + 60.0 * (velocity - rows @ v))
+        want[legs - 6] = rows[:, legs].T @ force
+        got = foot_impedance(np.ascontiguousarray(J), support, M, v, place, miss, velocity, 30.0)
+        np.testing.assert_allclose(got, want, rtol=1e-9, atol=1e-9)
 
 
 # margin to the cones, and states that no command can be computed for
