@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from surefoot.base.arrays import FloatArray
@@ -18,7 +18,7 @@ class StandState:
     integral
         (6,) wrench about the centre of mass that the integral term has taken up [N, N m].
     parts
-        Memories of the parts of the controller by name, see `Remembering`; empty in the state that a
+        Memories of the parts of the controller by name, see `Remembering`; None in the state that a
         controller works on itself.
 
     Examples
@@ -30,13 +30,15 @@ class StandState:
     """
 
     integral: FloatArray
-    parts: Memory = field(default_factory=dict)
+    parts: Memory | None = None
 
     def __eq__(self, other: object) -> bool:
         """Return whether another state is the same to the last bit."""
         return isinstance(other, StandState) and alike(self, other)
 
-    __hash__ = None  # type: ignore[assignment]
+    def __hash__(self) -> int:
+        """Refuse: a state holds arrays."""
+        raise TypeError("a StandState has no hash")
 
     def to_arrays(self) -> tuple[Arrays, Any]:
         """Return the state as plain arrays by path, and facts that JSON can hold."""

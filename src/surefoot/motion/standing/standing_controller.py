@@ -8,9 +8,8 @@ robots of Go2's size.
 
 from __future__ import annotations
 
-import copy
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -173,16 +172,16 @@ class StandingController(Controller):
     @property
     def state(self) -> StandState:
         """A copy of all that lasts from one step to the next, for `resume`."""
-        parts = {"allocation": self._allocation.remembered()}
-        return replace(copy.deepcopy(self._stand), parts=parts)
+        return StandState(self._stand.integral.copy(), {"allocation": self._allocation.remembered()})
 
     def resume(self, state: StandState | None) -> None:
         """Go on from a state of a controller that was made in the same way; None is the beginning."""
         self.reset()
         if state is None:
             return
+        assert state.parts is not None, "a state that `state` gave"
         self._allocation.resume(state.parts["allocation"])
-        self._stand = replace(copy.deepcopy(state), parts={})
+        self._stand = StandState(state.integral.copy())
 
     def warm_up(self, state: RobotState) -> None:
         """Step once on all feet and once in the middle of every lift, and forget it."""

@@ -128,7 +128,7 @@ def foot_impedance(
 
 
 @inline_kernel
-def _turned(R: FloatArray, A: FloatArray, x: Three) -> Three:
+def _apply_base_matrix(R: FloatArray, A: FloatArray, x: Three) -> Three:
     """Return R A Rᵀ x: a (3, 3) matrix of base axes acts on a vector of world axes."""
     a, b, c = x
     own = (
@@ -177,8 +177,8 @@ def pd_wrench(
     linear, angular = times(rotation, (v[0], v[1], v[2])), times(rotation, (v[3], v[4], v[5]))
     # force m (ω² e + 2 ω ė + p̈ + g), moment I (ω² e - 2 ω w): critically damped in the body's own inertia
     turn = omega_turn * omega_turn
-    stiff = _turned(rotation, inertia_base, (turn * miss[0], turn * miss[1], turn * miss[2]))
-    damped = _turned(rotation, inertia_base, angular)
+    stiff = _apply_base_matrix(rotation, inertia_base, (turn * miss[0], turn * miss[1], turn * miss[2]))
+    damped = _apply_base_matrix(rotation, inertia_base, angular)
     for i in range(3):
         pull[i] = mass * omega * omega * (position[i] - q[i])
         pull[3 + i] = stiff[i]
