@@ -7,6 +7,7 @@ import pinocchio as pin
 import pytest
 
 import surefoot as sf
+from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics.statics.allocation import ExactAllocation
 from surefoot.motion.control.controller import RobotState
@@ -165,6 +166,17 @@ def test_resuming_nothing_is_the_beginning_and_a_blind_step_changes_nothing() ->
     assert controller.state == before
     np.testing.assert_array_equal(commands(controller, states[20:]), want[20:])
     assert controller.state != before
+
+
+def test_a_state_of_another_robot_is_refused_and_changes_nothing() -> None:
+    robot, q, controller = standing()
+    want = commands(controller, disturbed(robot, q)[:30])[20:]
+    controller.reset()
+    commands(controller, disturbed(robot, q)[:20])
+    for state in (standing("g1")[2].state, StandState(np.zeros(6))):
+        with pytest.raises(ProblemError, match=r"of 4 contact points, got one of (8|0)"):
+            controller.resume(state)
+    np.testing.assert_array_equal(commands(controller, disturbed(robot, q)[20:30]), want)
 
 
 # kernels against plain NumPy and Pinocchio

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray, of_kind
+from surefoot.base.errors import ProblemError
 from surefoot.base.numerics.points import contact_jacobian
 from surefoot.base.spatial import GRAVITY
 from surefoot.contact import Status
@@ -175,12 +176,23 @@ class StandingController(Controller):
         return StandState(self._stand.integral.copy(), {"allocation": self._allocation.remembered()})
 
     def resume(self, state: StandState | None) -> None:
-        """Go on from a state of a controller that was made in the same way; None is the beginning."""
-        self.reset()
+        """Go on from a state of a controller that was made in the same way; None is the beginning.
+
+        Raises
+        ------
+        ProblemError
+            For a state of a robot with another number of contact points, or without what `state` gives.
+        """
         if state is None:
+            self.reset()
             return
-        assert state.parts is not None, "a state that `state` gave"
-        self._allocation.resume(state.parts["allocation"])
+        parts = state.parts or {}
+        points = len(parts["allocation"]["_last"]) if "allocation" in parts else 0
+        if points != len(self.point_foot):  # compiled code would read and write beyond the smaller arrays
+            raise ProblemError(
+                f"a state to resume must be of {len(self.point_foot)} contact points, got one of {points}"
+            )
+        self._allocation.resume(parts["allocation"])
         self._stand = StandState(state.integral.copy())
 
     def warm_up(self, state: RobotState) -> None:
