@@ -124,6 +124,23 @@ print(len(ours), others)
     assert int(count) <= most
 
 
+def test_a_first_tick_of_standing_loads_no_linear_algebra() -> None:
+    """On all feet and on three: SciPy's takes a tenth of a second, and comes with `@` in a kernel."""
+    code = """
+import sys, numpy as np, surefoot as sf
+from surefoot.motion.standing.standing_plan import Lift
+robot, flat = sf.load_robot("go2"), sf.FlatTerrain()
+q, v = sf.place(robot, flat), np.zeros(18)
+controller = sf.StandingController(robot, sf.StandingPlan(robot, flat, q, [Lift("FL", 1.0, 2.0)]), flat, q)
+before = set(sys.modules)
+for time in (0.0, 1.5):
+    controller.step(sf.RobotState(q, v, time))
+print([name for name in ("scipy.linalg", "numba.np.linalg") if name in sys.modules.keys() - before])
+"""
+    run(code)  # compiles, which loads more
+    assert run(code).strip() == "[]"
+
+
 @pytest.fixture
 def two_files(tmp_path: Path):
     """Return the function that writes a kernel and another one in its own file, and asks for f(10)."""

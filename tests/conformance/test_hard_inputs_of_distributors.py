@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from surefoot.contact.solution import Status
-from surefoot.mechanics.statics.allocation import ExactAllocation, SolverAllocation
+from surefoot.mechanics.statics.allocation import ExactAllocation
 from surefoot.mechanics.statics.force_distribution import ForceDistributor
 from tests.conformance.hard_inputs import (
     EXTREME,
@@ -65,26 +65,10 @@ class Exact(Distribution):
         return []
 
 
-class Linear(Exact):
-    low = np.zeros(4)
-
-    def __init__(self) -> None:
-        self.distributor = SolverAllocation(np.full(4, MU), np.ones(6), 1e-4, "auto", 8)
-
-
-class AnySolver(Exact):
-    low = np.zeros(4)
-
-    def __init__(self) -> None:
-        self.distributor = SolverAllocation(np.full(4, MU), np.ones(6), 1e-4, "distribution")
-
-
 DISTRIBUTORS: dict[str, Callable[[], Distribution]] = {
     "ForceDistributor": Distribution,
     "ForceDistributor with torque limits": WithTorques,
     "ExactAllocation": Exact,
-    "SolverAllocation, pyramids": Linear,
-    "SolverAllocation, exact": AnySolver,
 }
 over_distributors = pytest.mark.parametrize("name", DISTRIBUTORS)
 

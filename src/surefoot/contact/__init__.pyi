@@ -41,7 +41,6 @@ from .solvers.dual_newton.rows import RowsWork as RowsWork
 from .solvers.dual_newton.rows import distribute_with_rows as distribute_with_rows
 from .solvers.dual_newton.rows import rows_work as rows_work
 from .solvers.dual_newton.wrench_distribution import distribute_wrench as distribute_wrench
-from .solvers.solver import find_solver as find_solver
 from .solvers.solver import solve as solve
 from .translation.combination import combination_rules as combination_rules
 from .translation.combination import combine_friction as combine_friction

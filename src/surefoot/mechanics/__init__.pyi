@@ -60,7 +60,6 @@ from .robot.robot import load_robot as load_robot
 from .robot.rotors import with_rotors as with_rotors
 from .robot.sole_plane import sole_plane as sole_plane
 from .stance.stance import Stance as Stance
-from .statics.allocation import Allocation as Allocation
 from .statics.allocation import ExactAllocation as ExactAllocation
 from .statics.force_distribution import ForceDistributor as ForceDistributor
 from .statics.statics import can_stand as can_stand

@@ -39,9 +39,9 @@ def solve(
     Exit code 1 if one of them is not solved.
     """
     from surefoot.base.errors import ProblemError, SolverNotFound, unknown_name
-    from surefoot.contact import find_solver
     from surefoot.contact.files.formats import holds_lcp, read_lcp, read_problem
     from surefoot.contact.problem.lcp import LCP
+    from surefoot.contact.solvers.solver import find_solver
 
     real_number("--tol", tol, low=0.0, high=1.0)
     problems = []

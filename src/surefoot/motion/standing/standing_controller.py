@@ -15,13 +15,15 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray, of_kind
+from surefoot.base.errors import ProblemError
 from surefoot.base.numerics.points import contact_jacobian
 from surefoot.base.spatial import GRAVITY
 from surefoot.contact import Status
-from surefoot.mechanics import Allocation, ExactAllocation, Robot, Terrain, composite_inertia
+from surefoot.mechanics import ExactAllocation, Robot, Terrain, composite_inertia
 from surefoot.motion.control.controller import Command, Controller, RobotState
 from surefoot.motion.control.damping import computable, damping_torques
 from surefoot.motion.control.model_views import ModelViews
+from surefoot.motion.standing.stand_state import StandState
 from surefoot.motion.standing.standing_kernels import (
     foot_impedance,
     grasp_map_of_points,
@@ -94,8 +96,6 @@ class StandingController(Controller):
         Time between steps [s].
     normal_min, normal_max
         Bounds on each foot's normal force [N]; None for the defaults that suit the robot.
-    allocation
-        How forces are shared; None for exact cones.
     """
 
     channels = tuple(CHANNELS[name] for name in ("wrench_desired", "wrench_error", "grasp_map"))
@@ -110,7 +110,6 @@ class StandingController(Controller):
         dt: float = 1e-3,
         normal_min: float | None = None,
         normal_max: float | None = None,
-        allocation: Allocation | None = None,
     ) -> None:
         of_kind("robot", robot, Robot)
         of_kind("terrain", terrain, Terrain)
@@ -126,15 +125,14 @@ class StandingController(Controller):
         self.normal_min, self.normal_max = default_normal_bounds(robot, normal_min, normal_max)
         self._share = np.array([1.0 / len(robot.feet[f].centres) for f in self.point_foot])
         self._set_gains(weight)
-        self.wrench_weights = wrench_weights(robot, q)
         self.mu = float(mu)
         self.facts = {
             "kind": "stand", "normal_min": self.normal_min, "normal_max": self.normal_max,
             "mu_controller": self.mu,
         }  # fmt: skip
         frictions = np.full(len(self.point_foot), self.mu)
-        self.allocation = allocation or ExactAllocation(frictions, self.wrench_weights, FORCE_WEIGHT)
-        self._integral = np.zeros(6)
+        self._allocation = ExactAllocation(frictions, wrench_weights(robot, q), FORCE_WEIGHT)
+        self._stand = StandState(np.zeros(6))
         self._bounds_of: tuple[bytes, tuple[FloatArray, FloatArray]] = (b"", (np.zeros(0), np.zeros(0)))
         self._grasp = np.zeros((6, 3 * len(self.point_foot)))
         self._contact_rows = np.zeros((3 * len(self.point_foot), robot.model.nv))
@@ -169,8 +167,33 @@ class StandingController(Controller):
 
     def reset(self) -> None:
         """Forget the integral term and the forces of the step before."""
-        self._integral = np.zeros(6)
-        self.allocation.reset()
+        self._allocation.reset()
+        self._stand = StandState(np.zeros(6))
+
+    @property
+    def state(self) -> StandState:
+        """A copy of all that lasts from one step to the next, for `resume`."""
+        return StandState(self._stand.integral.copy(), {"allocation": self._allocation.remembered()})
+
+    def resume(self, state: StandState | None) -> None:
+        """Go on from a state of a controller that was made in the same way; None is the beginning.
+
+        Raises
+        ------
+        ProblemError
+            For a state of a robot with another number of contact points, or without what `state` gives.
+        """
+        if state is None:
+            self.reset()
+            return
+        parts = state.parts or {}
+        points = len(parts["allocation"]["_last"]) if "allocation" in parts else 0
+        if points != len(self.point_foot):  # compiled code would read and write beyond the smaller arrays
+            raise ProblemError(
+                f"a state to resume must be of {len(self.point_foot)} contact points, got one of {points}"
+            )
+        self._allocation.resume(parts["allocation"])
+        self._stand = StandState(state.integral.copy())
 
     def warm_up(self, state: RobotState) -> None:
         """Step once on all feet and once in the middle of every lift, and forget it."""
@@ -188,20 +211,21 @@ class StandingController(Controller):
         q, v = state.q, state.v
         if not computable(q, v):
             return self._blind(v)
-        target = self.plan.at(state.time)
-        self._kinematics(q, v)
-        wrench = self._wrench(target, q, v)
+        s, target = self._stand, self.plan.at(state.time)
+        points = self._kinematics(q, v)
+        wrench, pull = self._wrench(s, target, q, v)
         low, high = self._bounds(target)
-        forces = self.allocation.share(self._grasp, wrench, low, high)
-        status = self.allocation.status
+        forces = self._allocation.share(self._grasp, wrench, low, high)
+        status = self._allocation.status
         if status is Status.INVALID:
             return self._blind(v)
         error = self._grasp @ forces.ravel() - wrench
         attained = self._attained(error)
-        torques, finite = within_limits(self._torques(target, forces, q, v), self._limits)
+        torques, finite = within_limits(self._torques(target, forces, points, q, v), self._limits)
         if not finite:
             return self._blind(v)
-        self._integrate(attained)
+        if attained:
+            self._stand = StandState(self._accumulate(s.integral, pull))
         return StandCommand(
             torques, forces, high > 0.0, attained, status,
             wrench_desired=wrench, wrench_error=error, grasp_map=self._grasp,
@@ -218,14 +242,17 @@ class StandingController(Controller):
             wrench_desired=weight, wrench_error=-weight, grasp_map=np.zeros_like(self._grasp),
         )  # fmt: skip
 
-    def _kinematics(self, q: FloatArray, v: FloatArray) -> None:
-        """Update Pinocchio's terms, the contact points and the grasp map about the centre of mass."""
+    def _kinematics(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Update Pinocchio's terms and the grasp map about the centre of mass; return the contact points.
+
+        They are (p, 3), in world axes [m].
+        """
         pin, model, views = self._pin, self._model, self._views
         pin.computeJointJacobians(model, views.data, q)
         pin.nonLinearEffects(model, views.data, q, v)
         pin.centerOfMass(model, views.data, q, False)
         pin.updateFramePlacements(model, views.data)
-        self._points = grasp_map_of_points(
+        return grasp_map_of_points(
             views.frame_rotations,
             views.frame_places,
             self._point_frame,
@@ -236,13 +263,17 @@ class StandingController(Controller):
             self._grasp,
         )
 
-    def _wrench(self, target: StandingTarget, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Return the wrench about the centre of mass that the PD law wants: (6,) [N, N m]."""
-        wrench, self._pull = pd_wrench(
+    def _wrench(
+        self, s: StandState, target: StandingTarget, q: FloatArray, v: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the wrench about the centre of mass that is wanted, and what the integral term takes up.
+
+        Both are (6,) [N, N m]; the second is the stiffness of the PD law times the error.
+        """
+        return pd_wrench(
             self._views.rotation, self._rotation, q, v, target.position, target.velocity, target.acceleration,
-            self._inertia_base, self.robot.mass, self._omega, self._omega_turn, GRAVITY, self._integral,
+            self._inertia_base, self.robot.mass, self._omega, self._omega_turn, GRAVITY, s.integral,
         )  # fmt: skip
-        return wrench
 
     def _bounds(self, target: StandingTarget) -> tuple[FloatArray, FloatArray]:
         """Return the bounds on the normal force of every contact point; zero for feet in the air.
@@ -264,18 +295,17 @@ class StandingController(Controller):
         x, y, z, a, b, c = error.tolist()
         return max(math.hypot(x, y, z), math.hypot(a, b, c) / self._height) <= self._tolerance
 
-    def _integrate(self, attained: bool) -> None:
-        """Let the integral term take up what the PD law leaves, unless the ground cannot give it."""
-        if attained:
-            limit = self._integral_limit
-            grown = self._integral + (self.dt / INTEGRAL_TIME) * self._pull
-            self._integral = np.minimum(np.maximum(grown, -limit), limit)
+    def _accumulate(self, integral: FloatArray, pull: FloatArray) -> FloatArray:
+        """Return the integral term (6,) after it has taken up a step of what the PD law leaves [N, N m]."""
+        limit = self._integral_limit
+        grown = integral + (self.dt / INTEGRAL_TIME) * pull
+        return np.asarray(np.minimum(np.maximum(grown, -limit), limit))
 
     def _torques(
-        self, target: StandingTarget, forces: FloatArray, q: FloatArray, v: FloatArray
+        self, target: StandingTarget, forces: FloatArray, points: FloatArray, q: FloatArray, v: FloatArray
     ) -> FloatArray:
-        """Return the joint torques that make the feet push, before the limits: (joints,) [N m]."""
-        torques = np.asarray(self._views.bias[6:] - self._carried(forces))
+        """Return the torques with which feet push at (p, 3) points [m], before limits: (joints,) [N m]."""
+        torques = np.asarray(self._views.bias[6:] - self._carried(forces, points))
         if self._all_held and target.stance.all():
             return torques
         held = np.asarray(self._support[target.stance].any(axis=0))[6:]
@@ -290,10 +320,10 @@ class StandingController(Controller):
         hold = self._omega_joint**2 * (self._q[7:] - q[7:]) - 2.0 * self._omega_joint * v[6:]
         return np.asarray(np.where(free, torques + diagonal * hold, torques))
 
-    def _carried(self, forces: FloatArray) -> FloatArray:
-        """Return the joints' part of Jᵀ f for (p, 3) forces in contact frames: (joints,) [N m]."""
+    def _carried(self, forces: FloatArray, points: FloatArray) -> FloatArray:
+        """Return the joints' part of Jᵀ f for (p, 3) forces in contact frames at points: (joints,) [N m]."""
         rows = self._contact_rows
-        contact_jacobian(self._views.twists, self._support, self.point_foot, self._points, self._frames, rows)
+        contact_jacobian(self._views.twists, self._support, self.point_foot, points, self._frames, rows)
         return np.asarray(forces.ravel() @ rows[:, 6:])
 
     def _swing(self, foot: int, target: StandingTarget, M: FloatArray, v: FloatArray) -> FloatArray:

@@ -1,14 +1,19 @@
-"""Compiled pieces of the standing controller: grasp map, PD wrench, swing-foot impedance."""
+"""Compiled pieces of the standing controller: grasp map, PD wrench, swing-foot impedance.
+
+They have loops and no `@`, for which Numba loads SciPy's linear algebra at the first call, a tenth of a
+second.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
-from surefoot.base.kernels import kernel
+from surefoot.base.kernels import inline_kernel, kernel
+from surefoot.base.numerics.cholesky import cholesky, solve_columns, solve_lower, solve_upper
 from surefoot.base.numerics.points import point_jacobian
 from surefoot.base.numerics.rotations import log_between
-from surefoot.base.numerics.vectors import cross
+from surefoot.base.numerics.vectors import Three, cross, times
 
 
 @kernel
@@ -79,25 +84,59 @@ def foot_impedance(
     J, moving = np.empty((3, nv)), support.copy()
     moving[:6] = True
     point_jacobian(jacobian, moving, place, J)
-    now = J @ v
     count = legs.shape[0]
-    leg_mass, leg_jacobian = np.empty((count, count)), np.empty((3, count))
+    leg_mass, answer, mobility, force = (
+        np.empty((count, count)),
+        np.empty((count, 3)),
+        np.empty((3, 3)),
+        np.empty(3),
+    )
     for i in range(count):
-        leg_jacobian[:, i] = J[:, legs[i]]
+        for k in range(3):
+            answer[i, k] = J[k, legs[i]]
         for j in range(count):
             a, b = min(legs[i], legs[j]), max(legs[i], legs[j])
             leg_mass[i, j] = mass_matrix[a, b]  # Pinocchio fills the upper triangle
+    out = np.zeros(nv - 6)
+    if not cholesky(leg_mass):
+        return out
+    solve_columns(leg_mass, answer)
     # J M⁻¹ Jᵀ of the leg alone: its inverse is the mass that the foot feels
-    mobility = leg_jacobian @ np.linalg.solve(leg_mass, np.ascontiguousarray(leg_jacobian.T))
-    mobility += 1e-3 * np.trace(mobility) * np.eye(3)  # a stretched leg has no mobility along itself
+    trace = 0.0
+    for i in range(3):
+        now = 0.0
+        for j in range(nv):
+            now += J[i, j] * v[j]
+        force[i] = omega * omega * miss[i] + 2.0 * omega * (velocity[i] - now)
+        for k in range(3):
+            mobility[i, k] = 0.0
+            for j in range(count):
+                mobility[i, k] += J[i, legs[j]] * answer[j, k]
+        trace += mobility[i, i]
+    for i in range(3):
+        mobility[i, i] += 1e-3 * trace  # a stretched leg has no mobility along itself
     # F = Λ (ω² e + 2 ω ė) with Λ = (J M⁻¹ Jᵀ)⁻¹, then τ = Jᵀ F: the foot answers as a unit mass on a
     # critically damped spring along every axis, however the leg is bent.
-    force = np.linalg.solve(mobility, omega * omega * miss + 2.0 * omega * (velocity - now))
-    out = np.zeros(nv - 6)
+    if not cholesky(mobility):
+        return out
+    solve_lower(mobility, force)
+    solve_upper(mobility, force)
     for i in range(count):
         for k in range(3):
-            out[legs[i] - 6] += leg_jacobian[k, i] * force[k]
+            out[legs[i] - 6] += J[k, legs[i]] * force[k]
     return out
+
+
+@inline_kernel
+def _apply_base_matrix(R: FloatArray, A: FloatArray, x: Three) -> Three:
+    """Return R A Rᵀ x: a (3, 3) matrix of base axes acts on a vector of world axes."""
+    a, b, c = x
+    own = (
+        R[0, 0] * a + R[1, 0] * b + R[2, 0] * c,
+        R[0, 1] * a + R[1, 1] * b + R[2, 1] * c,
+        R[0, 2] * a + R[1, 2] * b + R[2, 2] * c,
+    )
+    return times(R, times(A, own))
 
 
 @kernel
@@ -133,18 +172,20 @@ def pd_wrench(
     inertia_base
         (3, 3) of the whole robot about its centre of mass, base axes [kg m²].
     """
-    miss = np.empty(3)
+    miss, wrench, pull = np.empty(3), np.empty(6), np.empty(6)
     log_between(wanted_rotation, rotation, miss)
-    linear, angular = rotation @ v[:3], rotation @ v[3:6]
+    linear, angular = times(rotation, (v[0], v[1], v[2])), times(rotation, (v[3], v[4], v[5]))
     # force m (ω² e + 2 ω ė + p̈ + g), moment I (ω² e - 2 ω w): critically damped in the body's own inertia
-    pull = np.empty(6)
-    pull[:3] = mass * omega * omega * (position - q[:3])
-    inertia = rotation @ inertia_base @ rotation.T
-    pull[3:] = omega_turn * omega_turn * (inertia @ miss)
-    wrench = integral + pull
-    wrench[:3] += mass * (2.0 * omega * (velocity - linear) + acceleration)
+    turn = omega_turn * omega_turn
+    stiff = _apply_base_matrix(rotation, inertia_base, (turn * miss[0], turn * miss[1], turn * miss[2]))
+    damped = _apply_base_matrix(rotation, inertia_base, angular)
+    for i in range(3):
+        pull[i] = mass * omega * omega * (position[i] - q[i])
+        pull[3 + i] = stiff[i]
+        wrench[i] = integral[i] + pull[i]
+        wrench[i] += mass * (2.0 * omega * (velocity[i] - linear[i]) + acceleration[i])
+        wrench[3 + i] = integral[3 + i] + pull[3 + i] - 2.0 * omega_turn * damped[i]
     wrench[2] += mass * gravity
-    wrench[3:] -= 2.0 * omega_turn * (inertia @ angular)
     return wrench, pull
 
 
