@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from surefoot.base.errors import ProblemError
 from surefoot.base.memory import Remembering, alike, read_back, write_down
 from surefoot.mechanics.robot import load_robot
 from surefoot.mechanics.terrain import read_terrain
@@ -167,6 +168,27 @@ def test_a_state_is_a_copy_that_can_be_compared_and_written_down() -> None:
     assert again != state
     walker.resume(state)
     assert walker.state == state
+
+
+@pytest.mark.parametrize("other", ["hyq", "g1"])
+def test_a_state_of_another_walk_is_refused_and_the_walk_begins_again(other: str) -> None:
+    """Sizes that fit nothing here would make compiled code reach beyond its arrays."""
+    walker, _ = walked(20)
+    robot = robot_of(other)
+    stranger = walking_controller(robot, VelocityCommand.constant(0.3))
+    still, contact = np.zeros(robot.model.nv), np.ones(len(robot.feet), dtype=bool)
+    stranger.step(RobotState(robot.nominal, still, 0.0, contact))
+    given = stranger.state
+    assert given is not None
+    if other == "hyq":  # as many feet and joints: only sizes of parts can tell
+        parts = dict(given.parts or {})
+        parts["whole_body"] = {**parts["whole_body"], "_v": np.zeros(30)}
+        given = given._replace(parts=parts)
+    with pytest.raises(ProblemError, match="another"):
+        walker.resume(given)
+    assert walker.state is None
+    fresh, first = walked(0)
+    assert walker.step(first).torques.tolist() == fresh.step(first).torques.tolist()
 
 
 def test_the_beginning_is_no_state_and_can_be_resumed() -> None:

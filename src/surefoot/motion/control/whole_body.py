@@ -29,7 +29,7 @@ import math
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray, of_kind
-from surefoot.base.errors import ModelError
+from surefoot.base.errors import ModelError, ProblemError
 from surefoot.base.live_arrays import Bound
 from surefoot.base.memory import Memory, Remembering
 from surefoot.contact import Status
@@ -195,7 +195,17 @@ class WholeBodyController(Bound, Remembering):
         return Kinematics(*self._moved)
 
     def resume(self, memory: Memory) -> None:
-        """See `Remembering`: what follows from the load and the state is computed again."""
+        """See `Remembering`: what follows from the load and the state is computed again.
+
+        Raises
+        ------
+        ProblemError
+            For the memory of another robot: compiled code would reach beyond its arrays.
+        """
+        for name in ("_memory", "_stance", "_q", "_v"):
+            own, given = np.shape(getattr(self, name)), np.shape(np.asarray(memory.get(name)))
+            if own != given:
+                raise ProblemError(f"the state is of another robot: {name} has {given} entries, not {own}")
         self.carry(memory["_load"])
         self.update(memory["_q"].copy(), memory["_v"].copy())
         super().resume(memory)

@@ -13,7 +13,9 @@ import copy
 from abc import abstractmethod
 
 from surefoot.base.arrays import FloatArray
+from surefoot.base.errors import ProblemError
 from surefoot.base.memory import Memory, Remembering
+from surefoot.mechanics import Robot
 from surefoot.motion.control.controller import Controller, RobotState
 from surefoot.motion.control.damping import computable
 from surefoot.motion.control.whole_body import ForceLimits, WholeBodyCommand, WholeBodyController
@@ -40,6 +42,8 @@ class Tick(Controller):
         Time at which the gait begins, and of a step [s].
     answers_first
         Whether plans wait until a command is given, and count from the next on; False until it is set.
+    robot
+        Who walks.
     command
         Wanted velocity over time, after limits.
     arbiter
@@ -48,6 +52,7 @@ class Tick(Controller):
         What is made of an unknown load, None for nothing, and what gives the torques.
     """
 
+    robot: Robot
     command: VelocityCommand
     load: LoadAdaptation | None
     arbiter: Arbiter
@@ -135,16 +140,31 @@ class Tick(Controller):
         return copy.deepcopy(self._walk)._replace(parts=parts)
 
     def resume(self, state: WalkState | None) -> None:
-        """Go on from a state of a controller that was made in the same way; None is the beginning."""
+        """Go on from a state of a controller that was made in the same way; None is the beginning.
+
+        Raises
+        ------
+        ProblemError
+            For a state of another kind of walk or robot, after which the walk is at its beginning.
+        """
         self.reset()
         if state is None:
             return
         state = copy.deepcopy(state)
-        assert state.parts is not None, "a state that a controller has given"
-        self.command = state.parts["command"]
-        for name, part in self._parts().items():
-            if part is not None:
-                part.resume(state.parts[name])
+        own = {name: part for name, part in self._parts().items() if part is not None}
+        kept = {} if state.parts is None else state.parts
+        if kept.keys() != {*own, "command"} or len(state.feet.foot) != len(self.robot.feet):
+            raise ProblemError(
+                f"the state is of another walk: it has {len(state.feet.foot)} feet and the parts "
+                f"{', '.join(kept) or 'none'}, not {len(self.robot.feet)} and {', '.join(own)}, command"
+            )
+        try:
+            for name, part in own.items():
+                part.resume(kept[name])
+        except ProblemError:
+            self.reset()
+            raise
+        self.command = kept["command"]
         self._walk = state._replace(parts=None)
 
     def _view(

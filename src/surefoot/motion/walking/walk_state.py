@@ -182,6 +182,10 @@ class WalkState(NamedTuple):
         """Return whether another state is the same to the last bit."""
         return isinstance(other, WalkState) and alike(self, other)
 
+    def __ne__(self, other: object) -> bool:
+        """Return whether another state differs in any bit; a tuple's own would compare arrays."""
+        return not self == other
+
     def __hash__(self) -> int:
         """Refuse: a state holds arrays."""
         raise TypeError("a WalkState has no hash")

@@ -145,7 +145,7 @@ def jump(
         flight = sum(length for length, _ in over)
     schedule, length = modes(robot, [(push, "all"), *over, (land, "all")])
     knots = round(length / dt)
-    t: FloatArray = dt * np.arange(knots + 1)
+    t = dt * np.arange(knots + 1, dtype=np.float64)
     flown = np.clip(t - push, 0.0, flight)
     up = rotation_from_quaternion(q[3:7]).T @ np.asarray(ground.normal(q[:2]))
     reference = _jump_reference(q, end, t, push, flight, (up, way[1]))
