@@ -145,10 +145,11 @@ class Tick(Controller):
         Raises
         ------
         ProblemError
-            For a state of another kind of walk or robot, after which the walk is at its beginning.
+            For a state of another kind of walk or robot; the walk stays where it is.
         """
-        self.reset()
+        self.plan_ahead()
         if state is None:
+            self.reset()
             return
         state = copy.deepcopy(state)
         own = {name: part for name, part in self._parts().items() if part is not None}
@@ -158,11 +159,15 @@ class Tick(Controller):
                 f"the state is of another walk: it has {len(state.feet.foot)} feet and the parts "
                 f"{', '.join(kept) or 'none'}, not {len(self.robot.feet)} and {', '.join(own)}, command"
             )
+        before, walk = {name: part.remembered() for name, part in own.items()}, self._walk
+        self.reset()
         try:
             for name, part in own.items():
                 part.resume(kept[name])
         except ProblemError:
-            self.reset()
+            for name, part in own.items():
+                part.resume(before[name])
+            self._walk = walk
             raise
         self.command = kept["command"]
         self._walk = state._replace(parts=None)

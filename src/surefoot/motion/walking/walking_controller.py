@@ -159,6 +159,8 @@ class WalkingController(Walker):
         for part in (self.mpc, self.whole_body, self.load, self._steps, self.schedule, self.arbiter):
             if part is not None:
                 part.reset()
+        if self.mpc.dt != self._mpc_dt:  # in step with stairs its steps are longer
+            self.mpc.pace(self._mpc_dt)
         self._walk = self._outstanding = None
 
     def _followed(self, gait: GaitState) -> ContactSchedule:
