@@ -46,7 +46,7 @@ def run_derivative(work, contacts, b, kappa, y, d, t):
     for k in range(contacts):
         for a in range(3):
             work[k, layout.OLD + a] = work[k, layout.POINT + a]
-        layout.store_vector(work, k, layout.STEP, wrench_distribution._pulled(work, k, d, 1.0 / kappa))
+        layout.store_vector(work, k, layout.STEP, wrench_distribution._pull_back(work, k, d, 1.0 / kappa))
     ahead, curve = wrench_distribution._line(memory, six.mix(y, 1.0, d), d)
     found = wrench_distribution._derivative((memory, kappa, ahead, curve), t)
     return found, wrench_distribution._take(memory, y, d, kappa, t, 0.0)
