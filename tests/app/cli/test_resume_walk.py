@@ -60,6 +60,13 @@ def test_pushes_velocity_and_end_may_be_others(walked: Path, tmp_path: Path) -> 
     assert again["q"].tobytes() == log["q"][500:].tobytes()
 
 
+def test_a_walk_that_goes_on_can_be_told_to_stop(walked: Path, tmp_path: Path) -> None:
+    """A controller that is made for no velocity has another gait; the one that walks is steered."""
+    log = resumed(walked, tmp_path, "--at", "0.5", "--velocity", "0,0,0", "--duration", "2.5")
+    assert not log["command"][-1].any()
+    assert np.abs(log["v"][-100:, :2]).max() < 0.1 < read_log(walked / "log.npz")["v"][-1, 0]
+
+
 def line_of(capfd: pytest.CaptureFixture[str], *words: str) -> str:
     """Return the one line that a command says which ends with code 2."""
     assert main([*words, *BARE]) == 2

@@ -202,6 +202,26 @@ def test_the_beginning_is_no_state_and_can_be_resumed() -> None:
     assert walker.step(measured).torques.tolist() == first.tolist()
 
 
+def test_a_steered_walk_goes_on_at_the_pace_of_its_new_speed() -> None:
+    """Beside the command, the hurry that its speed needs is kept: the cycles to come depend on it."""
+    robot, still = robot_of("go2"), np.zeros(18)
+    walker, fresh = (walking_controller(robot, VelocityCommand.constant(0.0)) for _ in range(2))
+
+    def go_on(one: Walker, begin: int, end: int) -> list[list[float]]:
+        states = (RobotState(robot.nominal, still, 0.004 * k, ALL) for k in range(begin, end))
+        return [one.step(state).torques.tolist() for state in states]
+
+    go_on(walker, 0, 60)
+    walker.steer([1.6, 0.0, 0.0])
+    go_on(walker, 60, 200)
+    state = walker.state
+    assert state is not None
+    arrays, facts = state.to_arrays()
+    fresh.resume(WalkState.from_arrays(arrays, json.loads(json.dumps(facts))))
+    assert fresh.state == state
+    assert go_on(fresh, 200, 500) == go_on(walker, 200, 500)
+
+
 def test_a_walk_that_begins_again_plans_in_its_own_steps() -> None:
     """Whatever the steps of the MPC were, as they are longer in step with stairs."""
     walker, measured = walked(0)

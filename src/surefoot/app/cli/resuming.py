@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from surefoot.app.cli import parsing
 from surefoot.app.cli.robots import is_file
 from surefoot.app.cli.run_files import PARTS
 from surefoot.app.cli.scenario_file import ScenarioFile
@@ -42,25 +43,35 @@ class Resumed:
         Options and scenario: those of the walk that has kept it, but for what was given anew.
     state
         Where it begins.
-    steered
-        Whether another velocity was given.
+    velocity
+        (3,) another velocity that was given: forward, left [m/s], yaw rate [rad/s]; None for none.
     """
 
     asked: WalkOptions
     said: ScenarioFile
     state: RunState
-    steered: bool
+    velocity: tuple[float, float, float] | None
 
     def start(self, controller: Any) -> RunState:
-        """Return the state, with the velocity of a new controller where another one was given."""
-        if not self.steered:
+        """Return the state, of a walk that is steered to another velocity where one was given.
+
+        The gait stays the one that was chosen for the first velocity.
+        """
+        if self.velocity is None:
             return self.state
         state = copy.deepcopy(self.state)
-        inner, own = controller, state.controller
+        inner, own, around = controller, state.controller, None
         while isinstance(own, dict):  # of what is around the walker
-            inner, own = inner.controller, own["controller"]
-        if own is not None:
-            own.parts["command"] = copy.deepcopy(inner.command)
+            inner, own, around = inner.controller, own["controller"], own
+        if own is None:
+            return state
+        inner.resume(own)
+        inner.steer(self.velocity)
+        steered = inner.state
+        inner.reset()
+        if around is None:
+            return replace(state, controller=steered)
+        around["controller"] = steered
         return state
 
 
@@ -97,12 +108,13 @@ def resume_walk(context: typer.Context, asked: WalkOptions) -> Resumed | None:
     _check_versions(about["versions"], asked.resume)
     options = {name: value for name, value in about["options"].items() if name not in LEAVING}
     given = {name: getattr(asked, name) for name in _find_given(context) if name in CHANGES}
+    velocity = parsing.velocity(given.pop("velocity")) if "velocity" in given else None
     now = replace(asked, **{**options, **given})
     said = ScenarioFile(**{name: _tuples(value) for name, value in about["scenario"].items()})
     state = RunState.from_arrays(dict(kept.arrays), kept.facts)
     if now.duration <= state.time:
         raise ProblemError(f"--duration {now.duration:g} ends before the kept state of {state.time:g} s")
-    return Resumed(now, said, state, "velocity" in given)
+    return Resumed(now, said, state, velocity)
 
 
 def _spoken(name: str) -> str:

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
+from surefoot.base.memory import Remembering
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot, Terrain
 from surefoot.motion.gaits.adaptive_gait import Pace
@@ -112,7 +113,7 @@ class Limited:
         return float(np.interp(size, self.sizes, self.hurry))
 
 
-class Limits:
+class Limits(Remembering):
     """What a robot's legs can do with a gait's timing on a ground.
 
     Parameters
@@ -126,6 +127,8 @@ class Limits:
     least_duty
         Share of the time on the ground that a foot keeps in the greatest hurry.
     """
+
+    MEMORY = ("_last",)
 
     def __init__(
         self, body: LeggedBody, pace: Pace, adaptable: bool, least_duty: float = SPEED_LIMITS.hurried_duty

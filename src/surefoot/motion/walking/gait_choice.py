@@ -8,7 +8,6 @@ ground, and trots from there on; hurried, the trot flies.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -51,15 +50,16 @@ class GaitChoice:
         What was changed, one line each.
     shortest
         The shortest period that the schedule may get [s]; 0 for one without a period.
-    limit
-        Slows another command to what the schedule can do, and readies it for that command's speeds.
+    limits
+        What slows another command to what the schedule can do, and readies it for that command's speeds; None
+        for a schedule without steps.
     """
 
     schedule: ContactSchedule
     command: VelocityCommand
     notes: list[str]
     shortest: float
-    limit: Callable[[VelocityCommand], VelocityCommand]
+    limits: Limits | None
 
 
 def choose_gait(body: LeggedBody, command: VelocityCommand, gait: str | ContactSchedule) -> GaitChoice:
@@ -84,7 +84,7 @@ def choose_gait(body: LeggedBody, command: VelocityCommand, gait: str | ContactS
         return _automatic(body, command)
     own = named_gait(gait, feet, body.height, places=places)
     if own.swing_time == 0.0:
-        return GaitChoice(own, command, [], own.period, lambda other: other)
+        return GaitChoice(own, command, [], own.period, None)
     stairs = _on_stairs(body, command, own) if gait == "trot" else None
     if stairs is not None:
         return stairs
@@ -97,7 +97,7 @@ def choose_gait(body: LeggedBody, command: VelocityCommand, gait: str | ContactS
         most == 0.0 and command.values.any() and not (body.terrain.learns and gait == "trot")
     ):  # one that begins at rest may be steered to any speed
         steady = Limits(body, pace, False)
-        return GaitChoice(own, limited.command, limited.notes, own.period, steady.slowed)
+        return GaitChoice(own, limited.command, limited.notes, own.period, steady)
 
     def stride(velocity: FloatArray, now: str) -> Stride:
         steps = stair_gait(
@@ -117,7 +117,7 @@ def choose_gait(body: LeggedBody, command: VelocityCommand, gait: str | ContactS
         f"feet are down for {100.0 * pace.duty:.0f} to {100.0 * quickest.duty:.0f} % of it"
     )
     notes = [*limited.notes, said] if most > 0.0 else limited.notes
-    return GaitChoice(schedule, limited.command, notes, quickest.period, limits.slowed)
+    return GaitChoice(schedule, limited.command, notes, quickest.period, limits)
 
 
 def _on_stairs(body: LeggedBody, command: VelocityCommand, own: Gait) -> GaitChoice | None:
@@ -154,11 +154,11 @@ def _fixed(body: LeggedBody, command: VelocityCommand, schedule: ContactSchedule
     if schedule.period > 0.0:
         period, moving = schedule.period, schedule.duty < 1.0
         if not moving.any():
-            return GaitChoice(schedule, command, [], period, lambda other: other)
+            return GaitChoice(schedule, command, [], period, None)
         pace = Pace(period, float(schedule.duty[moving].min()), body.clearance)
     limits = Limits(body, pace, False)
     limited = limits.limit(command)
-    return GaitChoice(schedule, limited.command, limited.notes, period, limits.slowed)
+    return GaitChoice(schedule, limited.command, limited.notes, period, limits)
 
 
 def _pace(body: LeggedBody, pattern: GaitPattern) -> Pace:
@@ -187,4 +187,4 @@ def _automatic(body: LeggedBody, command: VelocityCommand) -> GaitChoice:
 
     schedule = AdaptiveGait(AUTO, stride, stride(limited.command.at(0.0), "walk"))
     shortest = limits.hurried(float(limited.hurry.max())).period
-    return GaitChoice(schedule, limited.command, limited.notes, shortest, limits.slowed)
+    return GaitChoice(schedule, limited.command, limited.notes, shortest, limits)

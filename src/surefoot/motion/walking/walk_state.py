@@ -18,6 +18,7 @@ from surefoot.motion.ground.stair_detection import StairFlight
 from surefoot.motion.ground.stair_fit import StairFit, StairSteps
 from surefoot.motion.ground.touched_ground import Ledge
 from surefoot.motion.walking.behaviours.behaviour import FootSearch, Request
+from surefoot.motion.walking.command_limits import Limited
 from surefoot.motion.walking.force_planner import ForceHorizon, ForcePlan, Ramps
 from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.touchdown_detection import TouchMemory
@@ -206,8 +207,8 @@ KINDS: dict[str, type] = {
     kind.__name__: kind
     for kind in (
         WalkState, GaitClock, GaitState, Feet, BodyPlan, Ramps, TouchMemory, ForcePlan, ForceHorizon,
-        PlanTimes, SwingRequest, BipedState, FootSearch, BodyReference, VelocityCommand, Gait, Stride, Pace,
-        Load, Ledge, StairSteps, StairFlight, StairFit,
+        PlanTimes, SwingRequest, BipedState, FootSearch, BodyReference, VelocityCommand, Limited, Gait,
+        Stride, Pace, Load, Ledge, StairSteps, StairFlight, StairFit,
     )
 }  # fmt: skip
 """Classes of what a state consists of, by the names that they are written down with."""

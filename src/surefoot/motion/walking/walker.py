@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -53,8 +52,11 @@ class Walker(Tick):
     terrain: Terrain
     notes: list[str]
     _feet_model: FeetModel
-    _limit: Callable[[VelocityCommand], VelocityCommand]
     height: float
+
+    @abstractmethod
+    def _limit(self, wanted: VelocityCommand) -> VelocityCommand:
+        """Return a command slowed to what is possible, and ready the gait for its speeds."""
 
     def steer(self, velocity: ArrayLike, posture: ArrayLike = (0.0, 0.0, 0.0)) -> FloatArray:
         """Take another velocity from now on, limited and ramped as any, and return what is left of it.

@@ -106,7 +106,7 @@ class WalkingController(Walker):
         )
         chosen = choose_gait(body, command, gait)
         self.schedule, self.command, self.notes = chosen.schedule, chosen.command, chosen.notes
-        self._limit = chosen.limit
+        self._limits = chosen.limits
         period = chosen.shortest or self.settings.horizon_period * math.sqrt(self.height / 0.3)
         self._stance_time = self.schedule.stance_time or self.settings.horizon_stance * period
         self._mpc_dt = period / s.steps_per_period
@@ -154,6 +154,10 @@ class WalkingController(Walker):
         deaf = set() if self.terrain.learns else {"search", "hold"}
         return EVERYTHING - deaf - (set() if self.schedule.adapts else {"step_times", "hold"})
 
+    def _limit(self, wanted: VelocityCommand) -> VelocityCommand:
+        """See `Walker`."""
+        return wanted if self._limits is None else self._limits.slowed(wanted)
+
     def reset(self) -> None:
         """Forget the past: the next step begins a walk from where the robot stands."""
         for part in (self.mpc, self.whole_body, self.load, self._steps, self.schedule, self.arbiter):
@@ -171,8 +175,9 @@ class WalkingController(Walker):
         """See `Tick`; the ground comes first, for a behaviour may refer to what it remembers."""
         belief = believed(self.terrain)
         return {
-            "ground": belief, "schedule": self.schedule, "mpc": self.mpc, "whole_body": self.whole_body,
-            "load": self.load, "steps": self._steps, "posture": self._posture, "arbiter": self.arbiter,
+            "ground": belief, "limits": self._limits, "schedule": self.schedule, "mpc": self.mpc,
+            "whole_body": self.whole_body, "load": self.load, "steps": self._steps, "posture": self._posture,
+            "arbiter": self.arbiter,
         }  # fmt: skip
 
     @property

@@ -124,8 +124,11 @@ class BipedController(Walker):
         self._mpc_dt = gait.period / self.settings.mpc_steps
         self._interval = min(self.settings.plan_interval, self._mpc_dt)
         self.command, self.notes = self._slowed(command)
-        self._limit = lambda wanted: self._slowed(wanted)[0]
         self._set_parts()
+
+    def _limit(self, wanted: VelocityCommand) -> VelocityCommand:
+        """See `Walker`."""
+        return self._slowed(wanted)[0]
 
     def _slowed(self, command: VelocityCommand) -> tuple[VelocityCommand, list[str]]:
         """Return a command slowed to what the robot can do, and a line for everything that was slowed."""
