@@ -341,10 +341,15 @@ def _accelerations(
 
 
 @cache
-def _following() -> tuple[Any, Any]:
-    """Return `_paths` and `_accelerations` past the look at their arguments."""
-    first = _record(), REAL, REAL, REAL, REAL
-    return entry_point(_paths, *first), entry_point(_accelerations, *first, MATRIX, MATRIX, REAL, REAL)
+def _path_kernel() -> Any:
+    """Return `_paths` past the look at its arguments; a walk that never leaps does not load it."""
+    return entry_point(_paths, _record(), REAL, REAL, REAL, REAL)
+
+
+@cache
+def _acceleration_kernel() -> Any:
+    """Return `_accelerations` past the look at its arguments."""
+    return entry_point(_accelerations, _record(), REAL, REAL, REAL, REAL, MATRIX, MATRIX, REAL, REAL)
 
 
 def swing_paths(feet: FootArray, now: float, descent: float, search: float, fastest: float) -> FloatArray:
@@ -360,7 +365,7 @@ def swing_paths(feet: FootArray, now: float, descent: float, search: float, fast
         Speed towards the ground at the end of a swing [m/s]; acceleration with which a searching foot goes
         down [m/s²], and largest speed that it gets so [m/s].
     """
-    return np.asarray(_following()[0](feet, now, descent, search, fastest))
+    return np.asarray(_path_kernel()(feet, now, descent, search, fastest))
 
 
 def swing_accelerations(
@@ -379,5 +384,5 @@ def swing_accelerations(
         Of the feedback [1/s²], [1/s].
     """
     return np.asarray(
-        _following()[1](feet, now, descent, search, fastest, centres, twists, stiffness, damping)
+        _acceleration_kernel()(feet, now, descent, search, fastest, centres, twists, stiffness, damping)
     )
