@@ -13,13 +13,14 @@ import math
 from collections import deque
 from collections.abc import Iterable, Mapping
 from enum import Enum
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, ClassVar, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from surefoot.base.errors import ProblemError
 
+State = TypeVar("State")
 Memory: TypeAlias = dict[str, Any]
 """Names of attributes and their values; that of a part with a memory of its own is a dictionary again."""
 Arrays: TypeAlias = dict[str, NDArray[Any]]
@@ -233,3 +234,27 @@ def _made(kind: type, fields: dict[str, Any]) -> Any:
     for name, value in fields.items():
         object.__setattr__(out, name, value)
     return out
+
+
+def read_state(kind: type[State], owner: str, arrays: Arrays, facts: Any, kinds: Mapping[str, type]) -> State:
+    """Return the state of a class that `write_down` has put into arrays and facts.
+
+    Parameters
+    ----------
+    kind, owner
+        Class of the state, and what it is one of, for the message: "a walk".
+    arrays, facts, kinds
+        As for `read_back`.
+
+    Raises
+    ------
+    ProblemError
+        For arrays and facts that are no such state.
+    """
+    try:
+        state = read_back(arrays, facts, kinds)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise ProblemError(f"this is no state of {owner}: {type(error).__name__} at {error}") from error
+    if not isinstance(state, kind):
+        raise ProblemError(f"this is no state of {owner}")
+    return state

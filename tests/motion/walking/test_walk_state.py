@@ -19,6 +19,7 @@ from surefoot.mechanics.robot import load_robot
 from surefoot.mechanics.terrain import read_terrain
 from surefoot.motion.control.controller import RobotState, Wrapper
 from surefoot.motion.ground.terrain_knowledge import controller_ground
+from surefoot.motion.standing.stand_state import StandState
 from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.walk_state import WalkState
 from surefoot.motion.walking.walker import Walker
@@ -200,6 +201,15 @@ def test_the_beginning_is_no_state_and_can_be_resumed() -> None:
     walker.resume(None)
     assert walker.state is None
     assert walker.step(measured).torques.tolist() == first.tolist()
+
+
+@pytest.mark.parametrize("kind", [WalkState, StandState])
+@pytest.mark.parametrize(
+    "facts", [None, {"tuple": [1]}, {"kind": "Nothing", "fields": {}}, {"array": "gone"}]
+)
+def test_what_is_no_state_is_refused(kind: Any, facts: Any) -> None:
+    with pytest.raises(ProblemError, match="this is no state of a "):
+        kind.from_arrays({}, facts)
 
 
 def test_a_steered_walk_goes_on_at_the_pace_of_its_new_speed() -> None:

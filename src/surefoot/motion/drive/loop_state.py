@@ -10,7 +10,7 @@ from typing import Any
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
-from surefoot.base.memory import Arrays, Memory, Remembering, alike, read_back, write_down
+from surefoot.base.memory import Arrays, Memory, Remembering, alike, read_state, write_down
 from surefoot.motion.control.controller import Command
 from surefoot.motion.drive.latency_compensation import LatencyCompensation
 from surefoot.motion.drive.modes import LoopMode
@@ -86,13 +86,7 @@ class LoopState:
         ProblemError
             For arrays and facts that are no such state.
         """
-        try:
-            state = read_back(arrays, facts, KINDS)
-        except (KeyError, TypeError, ValueError, AttributeError) as error:
-            raise ProblemError(f"this is no state of a loop: {type(error).__name__} at {error}") from error
-        if not isinstance(state, LoopState):
-            raise ProblemError("this is no state of a loop")
-        return state
+        return read_state(LoopState, "a loop", arrays, facts, KINDS)
 
 
 KINDS: dict[str, type] = STATE_KINDS | {

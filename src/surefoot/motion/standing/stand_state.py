@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from surefoot.base.arrays import FloatArray
-from surefoot.base.memory import Arrays, Memory, alike, read_back, write_down
+from surefoot.base.memory import Arrays, Memory, alike, read_state, write_down
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,10 +46,14 @@ class StandState:
 
     @staticmethod
     def from_arrays(arrays: Arrays, facts: Any) -> StandState:
-        """Return the state that `to_arrays` has written down."""
-        state = read_back(arrays, facts, KINDS)
-        assert isinstance(state, StandState), "the facts of a state"
-        return state
+        """Return the state that `to_arrays` has written down.
+
+        Raises
+        ------
+        ProblemError
+            For arrays and facts that are no such state.
+        """
+        return read_state(StandState, "a stand", arrays, facts, KINDS)
 
 
 KINDS: dict[str, type] = {"StandState": StandState}

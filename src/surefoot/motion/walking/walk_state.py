@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
-from surefoot.base.memory import Arrays, Memory, alike, read_back, write_down
+from surefoot.base.memory import Arrays, Memory, alike, read_state, write_down
 from surefoot.motion.control.body_motion import BodyReference
 from surefoot.motion.control.whole_body_tasks import Kinematics
 from surefoot.motion.estimation.wrench_observer import Load
@@ -197,10 +197,14 @@ class WalkState(NamedTuple):
 
     @staticmethod
     def from_arrays(arrays: Arrays, facts: Any) -> WalkState:
-        """Return the state that `to_arrays` has written down."""
-        state = read_back(arrays, facts, KINDS)
-        assert isinstance(state, WalkState), "the facts of a state"
-        return state
+        """Return the state that `to_arrays` has written down.
+
+        Raises
+        ------
+        ProblemError
+            For arrays and facts that are no such state.
+        """
+        return read_state(WalkState, "a walk", arrays, facts, KINDS)
 
 
 KINDS: dict[str, type] = {

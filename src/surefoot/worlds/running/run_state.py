@@ -10,7 +10,7 @@ import numpy as np
 
 from surefoot.base.arrays import real_number
 from surefoot.base.errors import ProblemError
-from surefoot.base.memory import Arrays, Memory, alike, read_back, write_down
+from surefoot.base.memory import Arrays, Memory, alike, read_state, write_down
 from surefoot.motion import STATE_KINDS, Command, Controller, state_of
 from surefoot.worlds.interface.world import ContactReading, World
 from surefoot.worlds.interface.world_state import WorldState, world_state
@@ -97,11 +97,8 @@ class RunState:
         ProblemError
             For arrays and facts that are no such state.
         """
-        try:
-            state = read_back(arrays, facts, KINDS)
-        except (KeyError, TypeError, ValueError, AttributeError) as error:
-            raise ProblemError(f"this is no state of a run: {type(error).__name__} at {error}") from error
-        if not isinstance(state, RunState) or not isinstance(state.world, WorldState):
+        state = read_state(RunState, "a run", arrays, facts, KINDS)
+        if not isinstance(state.world, WorldState):
             raise ProblemError("this is no state of a run")
         return state
 
