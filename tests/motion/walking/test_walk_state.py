@@ -204,9 +204,7 @@ def test_the_beginning_is_no_state_and_can_be_resumed() -> None:
 
 
 @pytest.mark.parametrize("kind", [WalkState, StandState])
-@pytest.mark.parametrize(
-    "facts", [None, {"tuple": [1]}, {"kind": "Nothing", "fields": {}}, {"array": "gone"}]
-)
+@pytest.mark.parametrize("facts", [None, {"tuple": [1]}, {"kind": "None", "fields": {}}, {"array": "gone"}])
 def test_what_is_no_state_is_refused(kind: Any, facts: Any) -> None:
     with pytest.raises(ProblemError, match="this is no state of a "):
         kind.from_arrays({}, facts)
