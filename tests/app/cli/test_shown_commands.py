@@ -65,6 +65,8 @@ def as_run(words: tuple[str, ...]) -> tuple[str, ...]:
         return (*_alone(words), "--samples", "4", "--backend", "serial")
     if words[0] not in ("stand", "walk"):
         return words
+    if {"--keep-states", "--resume"} & set(words):  # a walk that goes on keeps the events of the walk before
+        return (*words, "--no-video", "--no-report")
     out = [*words, "--no-video", "--no-report"]
     events = [float(words[k + 1].split(":")[0]) for k, word in enumerate(words) if word == "--push"]
     if "--scenario" in words:
@@ -221,8 +223,10 @@ def test_shown_command_ends_as_the_page_says(
         at = words.index("--merge")
         assert main([*words[:at], "--out", f"{words[at + 1]}/all", "--samples", "4"]) == 0
     if "--resume" in words and not list(folder.glob("pushed/*/")):  # what goes on must have begun
-        begun = "walk go2 --duration 2 --keep-states 0.5 --no-video --no-report --out pushed"
-        assert main(begun.split()) == 0
+        (begun,) = (
+            p.values[0] for p in all_shown() if "--keep-states" in p.values[0] and "pushed" in p.values[0]
+        )
+        assert main(list(begun)) == 0
     assert main(expanded(words, folder)) == code
 
 
