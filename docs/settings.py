@@ -27,7 +27,8 @@ Numbers that decide how the package behaves and judges, with where each value co
 command was run on that day and chose the value among others; the command repeats the choice. {judgement}
 means that nobody has compared the value with others.
 
-**{total} settings: {measured} chosen by a command, {judged} by judgement.**
+**{total} settings: {measured} chosen by a command, {judged} by judgement.** Of gains, behaviours and gaits, which
+`surefoot bench ablation` can vary, {varied} of {motion} are chosen by a command; of limits of verdicts {limited} of {limits}.
 
 This page is printed from the sources by `python -m docs.settings`. Tolerances of algorithms, codes and bounds
 of input are no settings and stand beside the code that uses them.
@@ -68,10 +69,13 @@ def page() -> str:
     owners = settings_classes()
     every = [info for owner in owners for _, _, info in rows_of(owner)]
     measured = sum(info.measured for info in every)
+    motion = [i for o in owners if o.__module__.startswith("surefoot.motion.") for _, _, i in rows_of(o)]
+    varied = sum(info.measured for info in motion)
     parts = [
         HEAD.format(
             judgement='"judgement, not measured"', total=len(every), measured=measured,
-            judged=len(every) - measured,
+            judged=len(every) - measured, varied=varied, motion=len(motion), limited=measured - varied,
+            limits=len(every) - len(motion),
         )
     ]  # fmt: skip
     for owner in owners:

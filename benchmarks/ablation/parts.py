@@ -22,12 +22,15 @@ class WalkTask(Task):
 
     Attributes
     ----------
+    gait
+        Name of the gait; bipeds walk with their own.
     watch
         Whether the controller finds out friction.
     stops
         Whether it is enough to stay up: a robot that stops before a drop does not go on.
     """
 
+    gait: str = "trot"
     watch: bool = False
     stops: bool = False
 
@@ -38,8 +41,11 @@ def _stack(name: str, duration: float | None = None) -> WalkTask:
     return replace(WalkTask(**values), duration=duration or given.duration)
 
 
-def _own(name: str, title: str, speed: float, duration: float, **more: Any) -> WalkTask:
-    return WalkTask(name, title, (speed, 0.0, 0.0), duration=duration, **more)
+def _own(
+    name: str, title: str, speed: float | tuple[float, float, float], duration: float, **more: Any
+) -> WalkTask:
+    asked = speed if isinstance(speed, tuple) else (speed, 0.0, 0.0)
+    return WalkTask(name, title, asked, duration=duration, **more)
 
 
 TASKS: dict[str, WalkTask] = {
@@ -60,6 +66,22 @@ TASKS: dict[str, WalkTask] = {
         _own("ice-found", "mu 0.2, 0.6 believed, found out", 0.5, SHORT, mu=0.2, watch=True),
         _own("stand", "standing, pushed", 0.0, 4.0, push=(0.0, 100.0)),
         _own("walk-auto", "standing", 0.0, 3.0),
+        _own("trot", "a short trot, 0.8 m/s", 0.8, 3.5),
+        _own("pushed", "a short trot, 0.5 m/s, 150 N to the left", 0.5, 4.6, push=(0.0, 150.0)),
+        _own("shoved", "a short trot, 0.5 m/s, 250 N to the back left", 0.5, 4.6, push=(-177.0, 177.0)),
+        _own("turn", "a short trot, 0.3 m/s, turning 1.2 rad/s", (0.3, 0.1, 1.2), 3.5),
+        _own("fast", "a short trot, 1.7 m/s", 1.7, 4.2),
+        _own("slope", "a short trot, 15 degrees down", 0.5, 4.0, terrain="slope:-15"),
+        _own("rough", "a short trot over rough ground of 6 cm, known to nobody", 0.5, 4.5, terrain="rough:1,0.06",
+             knowledge="blind"),
+        *(_own(f"gait-{name.replace('_', '-')}", f"{name.replace('_', ' ')}, {speed} m/s", speed, 3.5, gait=name)
+          for name, speed in (("walk", 0.2), ("pace", 0.6), ("bound", 0.8), ("flying_trot", 1.0))),
+        _own("auto", "a gait chosen by speed, 0.2 m/s", 0.2, 4.0, gait="auto"),
+        _own("auto-fast", "a gait chosen by speed, 0.7 m/s", 0.7, 3.5, gait="auto"),
+        _own("g1-step", "G1, 0.3 m/s", 0.3, 5.5, robot="g1"),
+        _own("g1-pushed", "G1, 0.3 m/s, 60 N to the left", 0.3, 5.0, robot="g1", push=(0.0, 60.0)),
+        _own("g1-shoved", "G1, 0.3 m/s, 150 N to the left", 0.3, 5.0, robot="g1", push=(0.0, 150.0)),
+        _own("g1-turning", "G1, 0.3 m/s, turning 0.3 rad/s", (0.3, 0.0, 0.3), 5.5, robot="g1"),
     )
 }  # fmt: skip
 """By name."""

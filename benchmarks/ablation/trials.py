@@ -6,7 +6,7 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,8 @@ from surefoot.base.errors import SurefootError
 ROOT = Path(__file__).resolve().parents[2]
 Tell = Callable[[str, int, int], None]
 """Told a line, and how many trials are done of how many."""
+Records = Sequence[Mapping[str, Any]]
+"""Of trials, see `benchmarks.ablation.walked.carry_out_task`."""
 
 
 @dataclass(frozen=True)
@@ -41,8 +43,10 @@ class TrialError(SurefootError):
     """A process of trials has failed."""
 
 
-def run_trials(change: Change, tasks: Sequence[str], seeds: Sequence[int]) -> Iterator[dict[str, Any]]:
-    """Yield the records of a change's trials as they come; closing the generator ends its process."""
+def run_trials(
+    change: Change, tasks: Sequence[str], seeds: Sequence[int]
+) -> Generator[dict[str, Any], None, None]:
+    """Yield the records of a change's trials as they come, task after task; closing the generator ends its process."""
     request = {
         "changes": dict(change.changes), "without": change.without, "tasks": list(tasks), "seeds": list(seeds)
     }  # fmt: skip
@@ -84,19 +88,36 @@ class Trials:
         self.records: dict[str, list[dict[str, Any]]] = {}
         self.done = 0
 
-    def of(self, change: Change, tasks: Sequence[str]) -> list[dict[str, Any]]:
-        """Return a change's records of some tasks, carrying out those that are missing."""
+    def of(
+        self, change: Change, tasks: Sequence[str], enough: Callable[[str, Records], bool] | None = None
+    ) -> list[dict[str, Any]]:
+        """Return a change's records of some tasks, carrying out those that are missing.
+
+        Parameters
+        ----------
+        change, tasks
+            Of what; tasks are carried out in turn.
+        enough
+            Told a task and the records of its trials when all are done: whether later tasks are left out.
+        """
         known = self.records.setdefault(change.name, [])
         missing = [task for task in tasks if task not in {one["task"] for one in known}]
         if missing:
-            for record in run_trials(change, missing, self.seeds):
-                known.append(record)
-                self.done += 1
-                if self._keep is not None:
-                    with self._keep.open("a", encoding="utf-8") as file:
-                        file.write(json.dumps({"change": change.name, **record}) + "\n")
-                said = "done" if record["done"] else "not done"
-                self._tell(
-                    f"{change.name}: {record['task']} seed {record['seed']}: {said}", self.done, self.total
-                )
+            running = run_trials(change, missing, self.seeds)
+            for record in running:
+                self._note(change, record)
+                mine = [one for one in known if one["task"] == record["task"]]
+                if enough is not None and len(mine) == len(self.seeds) and enough(record["task"], mine):
+                    break
+            running.close()
         return [one for one in known if one["task"] in tasks]
+
+    def _note(self, change: Change, record: dict[str, Any]) -> None:
+        """Keep a record, and tell of it."""
+        self.records[change.name].append(record)
+        self.done += 1
+        if self._keep is not None:
+            with self._keep.open("a", encoding="utf-8") as file:
+                file.write(json.dumps({"change": change.name, **record}) + "\n")
+        said = "done" if record["done"] else "not done"
+        self._tell(f"{change.name}: {record['task']} seed {record['seed']}: {said}", self.done, self.total)

@@ -1,9 +1,15 @@
-"""Values of one setting, each compared with the value that it has."""
+"""Values of settings, each compared with the value that the setting has.
+
+A value is worse if a task is worse with it beyond noise: by a sign test of the trials that are lost (six of six,
+but not five of five, are more than chance), or by the 95 % interval of a measure. The tasks of a value are
+carried out in turn until one is worse, and values on either side of the setting's own outwards until one is.
+"""
 
 from __future__ import annotations
 
 import importlib
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,8 +19,10 @@ from benchmarks.ablation.trials import Change, Trials
 from surefoot.base.errors import ProblemError, unknown_name
 from surefoot.base.settings import SettingInfo, Settings, describe
 
-FACTORS = (0.5, 2.0)
-"""Values that are tried, over the setting's own."""
+FACTORS = (2.0,)
+"""Values that are tried over the setting's own, and the setting's own over them."""
+Known = Mapping[str, "Setting"]
+"""Settings by "Class.setting"."""
 
 
 @dataclass(frozen=True)
@@ -30,15 +38,45 @@ class Setting:
         """Names of the tasks that it is varied over."""
         return CLASS_TASKS.get(self.name.partition(".")[0], USUAL_TASKS)
 
-    def values(self, given: Sequence[float] | None) -> list[Any]:
-        """Return the values to try, rising, without its own."""
+    def values(
+        self, given: Sequence[float] | None = None, factors: Sequence[float] | None = None
+    ) -> list[Any]:
+        """Return the values to try, rising, without its own.
+
+        Parameters
+        ----------
+        given
+            Values; None for those by factors.
+        factors
+            Above 1: of the values over the setting's own, and of that over the values; None for `FACTORS`. The
+            numbers of a setting that has several are multiplied by the same one.
+        """
         if isinstance(self.value, bool):
             return [not self.value]
-        tried = given or [self.value * factor for factor in FACTORS]
+        if isinstance(self.value, tuple) and given:
+            raise ProblemError(f"{self.name} has several numbers: try --factor in place of --value")
+        both = [f for one in factors or FACTORS for f in (1.0 / one, one)]
+        if isinstance(self.value, tuple):
+            tried = [tuple(self._allowed(f * part) for part in self.value) for f in both]
+        else:
+            tried = [self._allowed(v) for v in given or [self.value * f for f in both]]
+        return sorted({*tried} - {self.value}, key=place)
+
+    def _allowed(self, value: float) -> float:
+        """Return the value of its type within the limits that is next to a number."""
         low, high = self.info.low, self.info.high
-        kept = {min(max(v, v if low is None else low), v if high is None else high) for v in tried}
-        kind = int if self.info.whole else float
-        return sorted({kind(v) for v in kept} - {self.value})
+        kept = min(max(value, value if low is None else low), value if high is None else high)
+        return int(kept) if self.info.whole else float(kept)
+
+
+def place(value: Any) -> float:
+    """Return a number by which the values of a setting are in order."""
+    return math.hypot(*value) if isinstance(value, tuple) else float(value)
+
+
+def shown(value: Any) -> str:
+    """Return a value in words, several numbers with commas."""
+    return ", ".join(map(shown, value)) if isinstance(value, tuple) else f"{value:g}"
 
 
 @dataclass(frozen=True)
@@ -59,58 +97,86 @@ class Tried:
         return not self.worse and any(one.better for one in self.comparisons)
 
 
-def find_setting(name: str) -> Setting:
-    """Return a setting of walking by "Class.setting".
-
-    Raises
-    ------
-    ProblemError
-        For an unknown name, and a setting that is not one number.
-    """
+def known_settings() -> Known:
+    """Return the settings of walking."""
     importlib.import_module("surefoot.motion.walking.walking_controller")
     importlib.import_module("surefoot.motion.walking.biped.walking")
-    known = {
+    return {
         f"{owner.__name__}.{one.name}": Setting(f"{owner.__name__}.{one.name}", one.value, one.info)
         for owner in Settings.__subclasses__()
         if owner.__module__.startswith("surefoot.motion.")
         for one in describe(owner)
-        if "." not in one.name
+        if "." not in one.name and one.info.source
     }
-    if name not in known:
+
+
+def find_settings(name: str) -> tuple[Setting, ...]:
+    """Return a setting of walking by "Class.setting", or all of a class that have numbers.
+
+    Raises
+    ------
+    ProblemError
+        For an unknown name, and a setting that is no number.
+    """
+    known = known_settings()
+    found = tuple(
+        one for key, one in known.items() if key.startswith(f"{name}.") and not _text(one.value)
+    )
+    if not found and name not in known:
         raise ProblemError(unknown_name("setting", name, tuple(known)))
-    if not isinstance(known[name].value, bool | int | float):
-        raise ProblemError(f"{name} is {known[name].value}: only a single number can be varied")
-    return known[name]
+    if not found and _text(known[name].value):
+        raise ProblemError(f"{name} is {known[name].value}: only numbers can be varied")
+    return found or (known[name],)
 
 
-def try_values(setting: Setting, values: Sequence[Any], trials: Trials, tasks: Sequence[str]) -> list[Tried]:
-    """Return how each value compares with the setting's own."""
-    before = trials.of(Change("as it is"), tasks)
+def _text(value: Any) -> bool:
+    return not isinstance(value, bool | int | float | tuple)
+
+
+def try_values(
+    setting: Setting, values: Sequence[Any], trials: Trials, tasks: Sequence[str], outwards: bool = True
+) -> list[Tried]:
+    """Return how values compare with the setting's own.
+
+    Parameters
+    ----------
+    setting, values
+        What is tried.
+    trials, tasks
+        Over what; the tasks of a value in turn, until one is worse.
+    outwards
+        Whether values beyond one that is worse are left out.
+    """
+    before, own = trials.of(Change("as it is"), tasks), place(setting.value)
     found = []
-    for value in values:
-        after = trials.of(Change(f"{setting.name}={value:g}", changes={setting.name: value}), tasks)
-        found.append(Tried(value, tuple(compare(task, before, after) for task in tasks)))
-    return found
+    for side in (1.0, -1.0):
+        beyond = sorted((v for v in values if side * (place(v) - own) > 0.0), key=lambda v: abs(place(v) - own))
+        for value in beyond:
+            found.append(_try(setting, value, before, trials, tasks))
+            if outwards and found[-1].worse:
+                break
+    return sorted(found, key=lambda one: place(one.value))
+
+
+def _try(setting: Setting, value: Any, before: Any, trials: Trials, tasks: Sequence[str]) -> Tried:
+    change = Change(f"{setting.name}={shown(value)}", changes={setting.name: value})
+    enough: Callable[[str, Any], bool] = lambda task, after: compare(task, before, after).worse  # noqa: E731
+    after = trials.of(change, tasks, enough)
+    compared = {one["task"] for one in after}
+    return Tried(value, tuple(compare(task, before, after) for task in tasks if task in compared))
 
 
 def verdict(setting: Setting, found: Sequence[Tried]) -> str:
     """Return whether the setting's choice is repeated, and the values that do as well."""
     better = [one.value for one in found if one.better]
     if better:
-        return "better: " + ", ".join(f"{value:g}" for value in better)
-    worse = [one.value for one in found if one.worse]
+        return "better: " + "; ".join(map(shown, better))
+    worse = [place(one.value) for one in found if one.worse]
     if not worse:
         return "not decided: all values tried do as well"
-    below = [v for v in worse if v < setting.value]
-    above = [v for v in worse if v > setting.value]
-    good = sorted(
-        [setting.value]
-        + [
-            one.value
-            for one in found
-            if not one.worse
-            and one.value > max(below, default=-1e300)
-            and one.value < min(above, default=1e300)
-        ]
-    )
-    return f"as good from {good[0]:g} to {good[-1]:g}"
+    own = place(setting.value)
+    below = max((v for v in worse if v < own), default=-math.inf)
+    above = min((v for v in worse if v > own), default=math.inf)
+    good = [one.value for one in found if not one.worse and below < place(one.value) < above]
+    good = sorted([setting.value, *good], key=place)
+    return f"as good from {shown(good[0])} to {shown(good[-1])}"

@@ -24,7 +24,7 @@ def behaviour_name(make: MakeBehaviour) -> str:
 
 @dataclass(frozen=True)
 class Walked(Surefoot):
-    """Surefoot's trot without a behaviour, or with all.
+    """Surefoot's walk on four feet without a behaviour, or with all; its own walk of other robots.
 
     Attributes
     ----------
@@ -32,19 +32,24 @@ class Walked(Surefoot):
         The behaviour's name; empty for none.
     watch
         Whether friction is found out.
+    gait
+        Name of the gait.
     """
 
     without: str = ""
     watch: bool = False
+    gait: str = "trot"
 
     def controller(self, job: Job) -> TimedController:
         """See `Stack.controller`."""
+        if len(job.robot.feet) == 2:
+            return super().controller(job)
         kept = tuple(make for make in BEHAVIOURS if behaviour_name(make) != self.without)
         if self.without and len(kept) == len(BEHAVIOURS):
             raise LookupError(f"no behaviour {self.without!r}")
         settings = WalkSettings(mu=job.mu, watch_friction=self.watch, actuators=job.motors, behaviours=kept)
         walker = WalkingController(
-            job.robot, VelocityCommand.constant(*job.asked), "trot",
+            job.robot, VelocityCommand.constant(*job.asked), self.gait,
             controller_ground(job.knowledge, job.terrain), settings, job.dt,
         )  # fmt: skip
         return Timed(walker, LatencyCompensation(walker, job.robot, job.dt))
@@ -53,7 +58,7 @@ class Walked(Surefoot):
 def carry_out_task(name: str, seed: int, without: str = "") -> dict[str, Any]:
     """Return what became of a task with a seed: whether it was done, and its measures."""
     task = TASKS[name]
-    trial = carry_out(Walked(without, task.watch), task, seed)
+    trial = carry_out(Walked(without, task.watch, task.gait), task, seed)
     done = trial.upright if task.stops else trial.survived(asked_velocity(task))
     m = trial.measures
     error = math.nan if task.stops else m.velocity_error  # it should not go on

@@ -14,14 +14,15 @@ from benchmarks.ablation.changes import Changes
 
 
 def main(words: list[str]) -> None:
-    """Carry out the trials of a request, seed after seed."""
+    """Carry out the trials of a request, task after task."""
     given = json.loads(words[0])
-    changes = Changes(given["changes"])
+    lists = {name: tuple(value) for name, value in given["changes"].items() if isinstance(value, list)}
+    changes = Changes(given["changes"] | lists)
     from benchmarks.ablation.walked import carry_out_task
 
     changes.check()
-    for seed in given["seeds"]:
-        for task in given["tasks"]:
+    for task in given["tasks"]:
+        for seed in given["seeds"]:
             print(json.dumps(_line(carry_out_task(task, seed, given["without"]))), flush=True)
 
 

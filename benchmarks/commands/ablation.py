@@ -33,9 +33,17 @@ def ablation(
     only: Annotated[list[str] | None, typer.Option(help="Only this part; may be repeated.")] = None,
     vary: Annotated[
         str | None,
-        typer.Option(help="Try values of this setting instead: Class.setting, see docs/settings.md."),
+        typer.Option(
+            help="Try values of this setting, or of all of a class: Class.setting, see docs/settings.md."
+        ),
     ] = None,
     value: Annotated[list[float] | None, typer.Option(help="A value to try; may be repeated.")] = None,
+    factor: Annotated[
+        list[float] | None,
+        typer.Option(
+            min=1.001, help="Try values over the setting's own, and it over them; may be repeated. Default 2."
+        ),
+    ] = None,
     task: Annotated[list[str] | None, typer.Option(help="Only this task; may be repeated.")] = None,
     seeds: Annotated[int, typer.Option(min=1, max=1000, help="Trials of each task.")] = 6,
     quick: Annotated[bool, typer.Option("--quick", help="One part, one task, one seed.")] = False,
@@ -54,8 +62,10 @@ def ablation(
             raise ProblemError(unknown_name("task", name, tuple(TASKS)))
     if vary is not None and only:
         raise ProblemError("--vary tries values of a setting: leave out --only")
-    if value and vary is None:
-        raise ProblemError("--value is for --vary")
+    if (value or factor) and vary is None:
+        raise ProblemError(f"--{'value' if value else 'factor'} is for --vary")
+    if value and factor:
+        raise ProblemError("give --value or --factor")
     parts = choose_parts(only or (["brisk"] if quick else None))
     folder = None if out is None else new_run_folder(out, "bench-ablation")
     given = range(FIRST_SEED, FIRST_SEED + (1 if quick else seeds))
@@ -73,7 +83,7 @@ def ablation(
         keep = None if folder is None else folder / "trials.jsonl"
         try:
             if vary is not None:
-                _vary(vary, value, task, quick, record, rows, lambda n: Trials(given, n, tell, keep))
+                _vary(vary, (value, factor), task, quick, record, rows, lambda n: Trials(given, n, tell, keep))
             else:
                 _leave_out(parts, task, quick, rows, lambda n: Trials(given, n, tell, keep))
             record["complete"] = True
@@ -105,24 +115,31 @@ def _leave_out(parts: Any, task: list[str] | None, quick: bool, rows: Any, make:
 
 
 def _vary(
-    name: str, value: list[float] | None, task: list[str] | None, quick: bool, record: dict[str, Any],
-    rows: Any, make: Any,
+    name: str, tried: tuple[list[float] | None, list[float] | None], task: list[str] | None, quick: bool,
+    record: dict[str, Any], rows: Any, make: Any,
 ) -> None:  # fmt: skip
-    """Append a comparison to the rows for each task and value of a setting, and note the verdict."""
-    from benchmarks.ablation.varying import find_setting, try_values, verdict
+    """Append a comparison to the rows for each task and value of each setting, and note the verdicts."""
+    from benchmarks.ablation.varying import find_settings, shown, try_values, verdict
 
-    setting = find_setting(name)
-    tasks = list(task or setting.tasks)[: 1 if quick else None]
-    values = setting.values(value)[: 1 if quick else None]
+    given, factors = tried
+    settings = find_settings(name)[: 1 if quick else None]
+    tasks = {one.name: list(task or one.tasks)[: 1 if quick else None] for one in settings}
+    values = {one.name: one.values(given, factors)[: 1 if quick else None] for one in settings}
+    first = {name for names in tasks.values() for name in names}
     trials = make(1)
-    trials.total = len(trials.seeds) * len(tasks) * (1 + len(values))
-    found = try_values(setting, values, trials, tasks)
-    rows += [(f"{name}={one.value:g}", c) for one in found for c in one.comparisons]
-    record |= {"setting": name, "value": setting.value, "verdict": verdict(setting, found)}
+    count = len(first) + sum(len(tasks[one.name]) * len(values[one.name]) for one in settings)
+    trials.total = len(trials.seeds) * count
+    record["settings"] = []
+    for one in settings:
+        found = try_values(one, values[one.name], trials, tasks[one.name], outwards=not given)
+        rows += [(f"{one.name}={shown(tried.value)}", c) for tried in found for c in tried.comparisons]
+        said = {"setting": one.name, "value": one.value, "verdict": verdict(one, found)}
+        record["settings"].append(said)
 
 
 def _print(console: Console, rows: list[tuple[str, Comparison]], record: dict[str, Any]) -> None:
     from benchmarks.ablation.comparing import MEASURES
+    from benchmarks.ablation.varying import shown
 
     columns = ("change", "task", "done", "chance", *MEASURES.values())
     cells = [
@@ -131,8 +148,8 @@ def _print(console: Console, rows: list[tuple[str, Comparison]], record: dict[st
     ]
     console.print(table(columns, cells, f"{len(record['seeds'])} seeds from {record['seeds'][0]}", 2))
     console.print(MEANINGS, soft_wrap=True)
-    if "verdict" in record:
-        console.print(f"{record['setting']} = {record['value']:g}: {record['verdict']}", soft_wrap=True)
+    for one in record.get("settings", ()):
+        console.print(f"{one['setting']} = {shown(one['value'])}: {one['verdict']}", soft_wrap=True)
 
 
 def _cells(c: Comparison) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,8 +12,8 @@ import pytest
 from benchmarks.ablation.changes import Changes
 from benchmarks.ablation.comparing import compare, difference, sign_test
 from benchmarks.ablation.parts import CLASS_TASKS, PARTS, TASKS, USUAL_TASKS, choose_parts
-from benchmarks.ablation.trials import Change, run_trials
-from benchmarks.ablation.varying import Tried, find_setting, verdict
+from benchmarks.ablation.trials import Change, Trials, run_trials
+from benchmarks.ablation.varying import Setting, Tried, find_settings, try_values, verdict
 from benchmarks.ablation.walked import behaviour_name
 from surefoot.base.errors import ProblemError
 from surefoot.base.settings import Settings, setting
@@ -70,7 +70,7 @@ def test_parts_name_behaviours_settings_and_tasks_that_there_are(part: Any) -> N
     assert bool(part.without) != bool(part.changes)
     assert not part.without or part.without in {behaviour_name(make) for make in BEHAVIOURS}
     for name, value in part.changes.items():
-        assert find_setting(name).value != value
+        assert find_settings(name)[0].value != value
 
 
 def test_every_behaviour_is_a_part() -> None:
@@ -83,16 +83,33 @@ def test_wrong_names_are_refused() -> None:
     with pytest.raises(ProblemError, match=r"unknown part of walking 'brisc'; valid names: brisk"):
         choose_parts(["brisc"])
     with pytest.raises(ProblemError, match=r"WalkSettings\.ease"):
-        find_setting("WalkSettings.eas")
-    with pytest.raises(ProblemError, match="only a single number"):
-        find_setting("MpcWeights.position")
+        find_settings("WalkSettings.eas")
+    with pytest.raises(ProblemError, match="several numbers: try --factor"):
+        find_settings("MpcWeights.position")[0].values([3.0])
+
+
+def the(name: str) -> Setting:
+    """Return one setting."""
+    (found,) = find_settings(name)
+    return found
 
 
 def test_values_stay_within_the_limits_of_a_setting() -> None:
-    assert find_setting("WalkSettings.friction_share").values(None) == [0.45, 1.0]
-    assert find_setting("WalkSettings.horizon").values(None) == [5, 20]
-    assert find_setting("StairPhaseSettings.used").values(None) == [False]
-    assert find_setting("WalkSettings.ease").values([0.9, 0.55, 0.1]) == [0.1, 0.9]
+    assert the("WalkSettings.friction_share").values() == [0.45, 1.0]
+    assert the("WalkSettings.horizon").values() == [5, 20]
+    assert the("StairPhaseSettings.used").values() == [False]
+    assert the("WalkSettings.ease").values([0.9, 0.55, 0.1]) == [0.1, 0.9]
+    tried = the("WalkSettings.clearance").values(factors=[2.0, 10.0])
+    assert tried == pytest.approx([0.022, 0.11, 0.44, 2.2])
+
+
+def test_several_numbers_are_varied_by_one_factor() -> None:
+    assert the("MpcWeights.position").values(factors=[10.0]) == [(1.0, 1.0, 10.0), (100.0, 100.0, 1000.0)]
+
+
+def test_a_class_names_all_its_settings() -> None:
+    names = [one.name for one in find_settings("TaskWeights")]
+    assert names == [f"TaskWeights.{n}" for n in ("linear", "angular", "swing", "joints", "body", "force")]
 
 
 def test_a_choice_is_repeated_if_no_value_is_better_and_one_is_worse() -> None:
@@ -100,11 +117,37 @@ def test_a_choice_is_repeated_if_no_value_is_better_and_one_is_worse() -> None:
     worse = compare("walk", records(up, base), records(up, [1.1 * c for c in base]))
     better = compare("walk", records(up, base), records(up, [0.9 * c for c in base]))
     same = compare("walk", records(up, base), records(up, base))
-    ease = find_setting("WalkSettings.ease")
+    ease = the("WalkSettings.ease")
     assert verdict(ease, [Tried(0.3, (same,)), Tried(0.9, (worse,))]) == "as good from 0.3 to 0.55"
     assert verdict(ease, [Tried(0.3, (better, worse)), Tried(0.9, (same,))]) == "as good from 0.55 to 0.9"
     assert verdict(ease, [Tried(0.3, (better,)), Tried(0.9, (worse,))]) == "better: 0.3"
     assert verdict(ease, [Tried(0.3, (same,)), Tried(0.9, (same,))]).startswith("not decided")
+    swing = the("BipedSettings.sole_damping")  # 16, 40
+    found = [Tried((8.0, 20.0), (same,)), Tried((32.0, 80.0), (worse,))]
+    assert verdict(swing, found) == "as good from 8, 20 to 16, 40"
+
+
+def test_a_value_that_is_worse_ends_its_tasks_and_the_values_beyond(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[tuple[str, str]] = []
+
+    def carried_out(change: Change, tasks: list[str], seeds: range) -> Generator[dict[str, Any], None, None]:
+        (value,) = change.changes.values() or (0.22,)
+        for task in tasks:
+            for seed in seeds:
+                asked.append((change.name, task))
+                cost = 0.8 if value > 0.4 else 0.5
+                yield records([True] * 4, [cost + 0.01 * k for k in range(4)])[seed] | {"task": task}
+
+    monkeypatch.setattr("benchmarks.ablation.trials.run_trials", carried_out)
+    clearance, trials = the("WalkSettings.clearance"), Trials(range(3), 1, lambda *_: None)
+    values = clearance.values(factors=[1.5, 2.0, 5.0])
+    found = try_values(clearance, values, trials, ["trot", "turn"])
+    assert verdict(clearance, found) == "as good from 0.044 to 0.33"
+    tried = dict.fromkeys(asked)  # in order
+    assert ("WalkSettings.clearance=0.33", "turn") in tried
+    assert ("WalkSettings.clearance=0.44", "trot") in tried
+    assert ("WalkSettings.clearance=0.44", "turn") not in tried
+    assert not any("=1.1" in name for name, _ in tried)
 
 
 @pytest.fixture
