@@ -119,9 +119,7 @@ def find_settings(name: str) -> tuple[Setting, ...]:
         For an unknown name, and a setting that is no number.
     """
     known = known_settings()
-    found = tuple(
-        one for key, one in known.items() if key.startswith(f"{name}.") and not _text(one.value)
-    )
+    found = tuple(one for key, one in known.items() if key.startswith(f"{name}.") and not _text(one.value))
     if not found and name not in known:
         raise ProblemError(unknown_name("setting", name, tuple(known)))
     if not found and _text(known[name].value):
@@ -150,7 +148,9 @@ def try_values(
     before, own = trials.of(Change("as it is"), tasks), place(setting.value)
     found = []
     for side in (1.0, -1.0):
-        beyond = sorted((v for v in values if side * (place(v) - own) > 0.0), key=lambda v: abs(place(v) - own))
+        beyond = sorted(
+            (v for v in values if side * (place(v) - own) > 0.0), key=lambda v: abs(place(v) - own)
+        )
         for value in beyond:
             found.append(_try(setting, value, before, trials, tasks))
             if outwards and found[-1].worse:

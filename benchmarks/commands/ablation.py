@@ -83,7 +83,9 @@ def ablation(
         keep = None if folder is None else folder / "trials.jsonl"
         try:
             if vary is not None:
-                _vary(vary, (value, factor), task, quick, record, rows, lambda n: Trials(given, n, tell, keep))
+                _vary(
+                    vary, (value, factor), task, quick, record, rows, lambda n: Trials(given, n, tell, keep)
+                )
             else:
                 _leave_out(parts, task, quick, rows, lambda n: Trials(given, n, tell, keep))
             record["complete"] = True

@@ -18,7 +18,7 @@ COMMAND = re.compile(r"`surefoot bench ablation ([^`]*)`")
 RANGE = re.compile(r"as good from \S.* to \S.*")
 SETTINGS = {name: one for name, one in known_settings().items() if COMMAND.search(one.info.source)}
 VARIED = {name: one for name, one in SETTINGS.items() if one.info.measured and "--vary" in one.info.source}
-RUN_AGAIN = ("TaskWeights.linear", "MpcWeights.orientation")
+RUN_AGAIN = ("TaskWeights.linear", "WalkSettings.horizon")
 
 
 def options(source: str) -> dict[str, Any]:
@@ -41,11 +41,6 @@ def test_a_command_names_the_setting_that_it_stands_at(one: Setting) -> None:
     assert given["seeds"] >= 3, "two seeds say nothing of noise"
     assert one.values(given["value"], given["factor"]), "nothing would be tried"
     assert RANGE.search(one.info.source), "the verdict stands behind the date"
-
-
-def test_half_of_the_settings_that_can_be_varied_name_a_command() -> None:
-    every = known_settings()
-    assert sum(one.info.measured for one in every.values()) >= 0.5 * len(every)
 
 
 @pytest.mark.long

@@ -46,7 +46,11 @@ class MpcWeights(Settings):
     angular_velocity: tuple[float, float, float] = setting(
         (0.3, 0.3, 0.3), "s²/rad²", "weight on angular velocity"
     )
-    force: float = setting(1e-5, "1/N²", "weight on a force's deviation from its share of the weight")
+    force: float = setting(
+        1e-5, "1/N²", "weight on a force's deviation from its share of the weight",
+        tuned="`surefoot bench ablation --vary MpcWeights.force --factor 20 "
+        "--task fast --seeds 3`, 2026-11-25: as good from 1e-05 to 0.0002",
+    )  # fmt: skip
     terminal: float = setting(1.0, "-", "weight of the last step over that of the others")
 
     def matrix(self) -> FloatArray:

@@ -34,14 +34,30 @@ class TaskWeights(Settings):
         Distance of the contact forces from the wanted ones, divided by the robot's mass.
     """
 
-    linear: float = setting(1.0, "s⁴/m²", "weight of the centre of mass", low=0.0)
+    linear: float = setting(
+        1.0, "s⁴/m²", "weight of the centre of mass", low=0.0,
+        tuned="`surefoot bench ablation --vary TaskWeights.linear --factor 20 "
+        "--task fast --seeds 3`, 2026-11-25: as good from 1 to 1",
+    )  # fmt: skip
     angular: float = setting(
         1.0, "s⁴/m²", "weight of the base's orientation, over the base's height", low=0.0
     )
-    swing: float = setting(0.02, "s⁴/m²", "weight of feet in the air", low=0.0)
-    joints: float = setting(2e-5, "s⁴/m²", "weight of the legs' joints, over the base's height", low=0.0)
+    swing: float = setting(
+        0.02, "s⁴/m²", "weight of feet in the air", low=0.0,
+        tuned="`surefoot bench ablation --vary TaskWeights.swing --factor 20 "
+        "--task fast --seeds 3`, 2026-11-25: as good from 0.02 to 0.4",
+    )  # fmt: skip
+    joints: float = setting(
+        2e-5, "s⁴/m²", "weight of the legs' joints, over the base's height", low=0.0,
+        tuned="`surefoot bench ablation --vary TaskWeights.joints --factor 20 "
+        "--task fast --seeds 3`, 2026-11-25: as good from 1e-06 to 2e-05",
+    )  # fmt: skip
     body: float = setting(5e3, "-", "factor on it for joints outside the legs", low=0.0)
-    force: float = setting(0.1, "s⁴/m²", "weight of contact forces, over the mass", low=0.0)
+    force: float = setting(
+        0.1, "s⁴/m²", "weight of contact forces, over the mass", low=0.0,
+        tuned="`surefoot bench ablation --vary TaskWeights.force --factor 20 "
+        "--task fast --seeds 3`, 2026-11-25: as good from 0.005 to 0.1",
+    )  # fmt: skip
 
 
 class Kinematics(NamedTuple):

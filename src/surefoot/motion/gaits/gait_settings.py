@@ -86,14 +86,46 @@ class GaitTimings(Settings):
         "--value 0.45 --value 0.65 --task speed-1 --seeds 3`, "
         "2026-11-25: as good from 0.55 to 0.55",
     )
-    walk_period: float = setting(0.80, "s", "period of a walk on four feet", low=1e-3)
-    walk_duty: float = setting(0.78, "-", "share that feet of a walk on four carry", low=0.0, high=1.0)
-    pace_period: float = setting(0.36, "s", "period of a pace", low=1e-3)
-    pace_duty: float = setting(0.60, "-", "share that feet of a pace carry", low=0.0, high=1.0)
-    bound_period: float = setting(0.34, "s", "period of a bound", low=1e-3)
-    bound_duty: float = setting(0.55, "-", "share that feet of a bound carry", low=0.0, high=1.0)
-    flying_trot_period: float = setting(0.34, "s", "period of a flying trot", low=1e-3)
-    flying_trot_duty: float = setting(0.44, "-", "share that feet of a flying trot carry", low=0.0, high=1.0)
+    walk_period: float = setting(
+        0.80, "s", "period of a walk on four feet", low=1e-3,
+        tuned="`surefoot bench ablation --vary GaitTimings.walk_period --factor 20 "
+        "--task gait-walk --seeds 6`, 2026-11-25: as good from 0.8 to 0.8",
+    )  # fmt: skip
+    walk_duty: float = setting(
+        0.78, "-", "share that feet of a walk on four carry", low=0.0, high=1.0,
+        tuned="`surefoot bench ablation --vary GaitTimings.walk_duty --factor 20 "
+        "--task gait-walk --seeds 6`, 2026-11-25: as good from 0.78 to 0.78",
+    )  # fmt: skip
+    pace_period: float = setting(
+        0.36, "s", "period of a pace", low=1e-3,
+        tuned="`surefoot bench ablation --vary GaitTimings.pace_period --factor 20 "
+        "--task gait-pace --seeds 6`, 2026-11-25: as good from 0.36 to 0.36",
+    )  # fmt: skip
+    pace_duty: float = setting(
+        0.60, "-", "share that feet of a pace carry", low=0.0, high=1.0,
+        tuned="`surefoot bench ablation --vary GaitTimings.pace_duty --factor 20 "
+        "--task gait-pace --seeds 6`, 2026-11-25: as good from 0.6 to 0.6",
+    )  # fmt: skip
+    bound_period: float = setting(
+        0.34, "s", "period of a bound", low=1e-3,
+        tuned="`surefoot bench ablation --vary GaitTimings.bound_period --factor 20 "
+        "--task gait-bound --seeds 6`, 2026-11-25: as good from 0.34 to 0.34",
+    )  # fmt: skip
+    bound_duty: float = setting(
+        0.55, "-", "share that feet of a bound carry", low=0.0, high=1.0,
+        tuned="`surefoot bench ablation --vary GaitTimings.bound_duty --factor 20 "
+        "--task gait-bound --seeds 6`, 2026-11-25: as good from 0.55 to 0.55",
+    )  # fmt: skip
+    flying_trot_period: float = setting(
+        0.34, "s", "period of a flying trot", low=1e-3,
+        tuned="`surefoot bench ablation --vary GaitTimings.flying_trot_period --factor 20 "
+        "--task gait-flying-trot --seeds 6`, 2026-11-25: as good from 0.34 to 0.34",
+    )  # fmt: skip
+    flying_trot_duty: float = setting(
+        0.44, "-", "share that feet of a flying trot carry", low=0.0, high=1.0,
+        tuned="`surefoot bench ablation --vary GaitTimings.flying_trot_duty --factor 20 "
+        "--task gait-flying-trot --seeds 6`, 2026-11-25: as good from 0.44 to 0.44",
+    )  # fmt: skip
     two_feet_period: float = setting(0.70, "s", "period of a walk on two feet", low=1e-3)
     two_feet_duty: float = setting(0.60, "-", "share that feet of a walk on two carry", low=0.0, high=1.0)
     tripod_period: float = setting(0.45, "s", "period of a tripod gait", low=1e-3)

@@ -35,7 +35,11 @@ class BodyMotionSettings(Settings):
     lowering_time: float = setting(
         0.3, "s", "time constant with which the body comes down to the height that suits a slope", low=1e-06
     )
-    acceleration: float = setting(0.12, "g", "largest change of the reference velocity", low=0.0)
+    acceleration: float = setting(
+        0.12, "g", "largest change of the reference velocity", low=0.0,
+        tuned="`surefoot bench ablation --vary BodyMotionSettings.acceleration --factor 20 "
+        "--task fast --seeds 6`, 2026-11-25: as good from 0.12 to 0.12",
+    )  # fmt: skip
     steepest_pitch: float = setting(0.4, "rad", "largest pitch that may be commanded", low=0.0, high=1.5)
     lowest: float = setting(0.4, "h", "farthest that a body may go below its usual height", low=0.0, high=1.0)
     highest: float = setting(
@@ -44,11 +48,11 @@ class BodyMotionSettings(Settings):
     crouch_rate: float = setting(0.4, "h/s", "rate at which a commanded height is taken", low=0.0)
     pitch_rate: float = setting(0.5, "rad/s", "rate at which a commanded pitch is taken", low=0.0)
     long_stance: float = setting(
-        2.5,
-        "sqrt(h / g)",
-        "stance from which the reference velocity changes more slowly, since feet stay behind",
-        low=0.0,
-    )
+        2.5, "sqrt(h / g)",
+        "stance from which the reference velocity changes more slowly, since feet stay behind", low=0.0,
+        tuned="`surefoot bench ablation --vary BodyMotionSettings.long_stance --factor 20 "
+        "--task fast --seeds 6`, 2026-11-25: as good from 2.5 to 50",
+    )  # fmt: skip
     landed: float = setting(
         0.001,
         "s",

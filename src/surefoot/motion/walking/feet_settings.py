@@ -37,19 +37,18 @@ class SwingSettings(Settings):
         high=1.0,
     )
     ramp: float = setting(
-        0.15,
-        "-",
+        0.15, "-",
         "share of the swing over which the acceleration along even ground rises from zero, and falls to it",
-        low=1e-06,
-        high=0.5,
-    )
+        low=1e-06, high=0.5,
+        tuned="`surefoot bench ablation --vary SwingSettings.ramp --factor 20 "
+        "--task trot --seeds 3`, 2026-11-25: as good from 0.15 to 0.15",
+    )  # fmt: skip
     land: float = setting(
-        0.9,
-        "-",
-        "share of the swing after which the foot does not move along even ground any more",
-        low=0.0,
-        high=1.0,
-    )
+        0.9, "-", "share of the swing after which the foot does not move along even ground any more",
+        low=0.0, high=1.0,
+        tuned="`surefoot bench ablation --vary SwingSettings.land --factor 20 "
+        "--task trot --seeds 6`, 2026-11-25: as good from 0.9 to 0.9",
+    )  # fmt: skip
 
 
 SWING_PATH = SwingSettings()
@@ -136,13 +135,19 @@ class FeetSettings(Settings):
     least_clearance: float = setting(
         0.3, "-", "least height of a swing over the usual one, whatever is commanded", low=0.0, high=1.0
     )
-    descent: float = setting(0.12, "sqrt(g h)", "speed towards the ground at touchdown", low=0.0)
+    descent: float = setting(
+        0.12, "sqrt(g h)", "speed towards the ground at touchdown", low=0.0,
+        tuned="`surefoot bench ablation --vary FeetSettings.descent --factor 20 "
+        "--task trot --seeds 3`, 2026-11-25: as good from 0.006 to 0.12",
+    )  # fmt: skip
     search: float = setting(
         0.3, "g", "acceleration with which a late foot goes down on known ground", low=0.0
     )
     search_fast: float = setting(
-        0.8, "g", "acceleration with which a late foot goes down on unknown ground", low=0.0
-    )
+        0.8, "g", "acceleration with which a late foot goes down on unknown ground", low=0.0,
+        tuned="`surefoot bench ablation --vary FeetSettings.search_fast --factor 20 "
+        "--task rough --seeds 3`, 2026-11-25: as good from 0.04 to 0.8",
+    )  # fmt: skip
     search_speed: float = setting(0.4, "sqrt(g h)", "largest speed of a late foot on unknown ground", low=0.0)
     same_tread: float = setting(
         2.0,
@@ -168,12 +173,11 @@ class FeetSettings(Settings):
         low=0.0,
     )
     even_until: float = setting(
-        0.05,
-        "-",
-        "share of the swing up to which it is decided whether it goes over even ground",
-        low=0.0,
+        0.05, "-", "share of the swing up to which it is decided whether it goes over even ground", low=0.0,
         high=1.0,
-    )
+        tuned="`surefoot bench ablation --vary FeetSettings.even_until --factor 20 "
+        "--task rough --seeds 3`, 2026-11-25: as good from 0.05 to 1",
+    )  # fmt: skip
     down_noisy: float = setting(
         0.85, "-", "share of the swing after which a foot only sinks on noisy ground", low=0.0, high=1.0
     )

@@ -15,11 +15,15 @@ class SpeedLimitSettings(Settings):
         0.85, "-", "share of the joints' speed limits that a gait's timing is chosen for", low=0.0, high=1.0
     )
     most_speed: float = setting(
-        0.9, "-", "share of the joints' speed limits that a command may need", low=0.0, high=1.0
-    )
+        0.9, "-", "share of the joints' speed limits that a command may need", low=0.0, high=1.0,
+        tuned="`surefoot bench ablation --vary SpeedLimitSettings.most_speed --factor 20 "
+        "--task fast --seeds 6`, 2026-11-25: as good from 0.9 to 1",
+    )  # fmt: skip
     most_torque: float = setting(
-        1.0, "-", "share of the joints' torque limits that a stance may need", low=0.0, high=1.0
-    )
+        1.0, "-", "share of the joints' torque limits that a stance may need", low=0.0, high=1.0,
+        tuned="`surefoot bench ablation --vary SpeedLimitSettings.most_torque --factor 20 "
+        "--task fast --seeds 6`, 2026-11-25: as good from 1 to 1",
+    )  # fmt: skip
     force_factor: float = setting(
         1.1, "-", "force of a foot in the middle of its stance over its mean", low=1.0
     )
@@ -39,14 +43,20 @@ class SpeedLimitSettings(Settings):
         low=0.0,
     )
     hurried_period: float = setting(
-        0.7, "-", "period of a gait in the greatest hurry over its own", low=0.0, high=1.0
-    )
+        0.7, "-", "period of a gait in the greatest hurry over its own", low=0.0, high=1.0,
+        tuned="`surefoot bench ablation --vary SpeedLimitSettings.hurried_period --factor 20 "
+        "--task fast --seeds 3`, 2026-11-25: as good from 0.7 to 0.7",
+    )  # fmt: skip
     hurried_duty: float = setting(
-        0.36, "-", "share of the period that feet of a gait in the greatest hurry carry", low=0.0, high=1.0
-    )
+        0.36, "-", "share of the period that feet of a gait in the greatest hurry carry", low=0.0, high=1.0,
+        tuned="`surefoot bench ablation --vary SpeedLimitSettings.hurried_duty --factor 20 "
+        "--task fast --seeds 3`, 2026-11-25: as good from 0.36 to 0.36",
+    )  # fmt: skip
     hurried_clearance: float = setting(
-        0.4, "-", "height of the swings of a gait in the greatest hurry over its own", low=0.0, high=1.0
-    )
+        0.4, "-", "height of the swings of a gait in the greatest hurry over its own", low=0.0, high=1.0,
+        tuned="`surefoot bench ablation --vary SpeedLimitSettings.hurried_clearance --factor 20 "
+        "--task fast --seeds 3`, 2026-11-25: as good from 0.02 to 0.4",
+    )  # fmt: skip
     brisk: float = setting(
         0.26,
         "-",

@@ -74,9 +74,15 @@ class WalkSettings(Settings):
     mu: float = setting(0.6, "-", "friction that the controller counts on", low=0.0)
     watch_friction: bool = False
     friction_share: float = setting(
-        0.9, "-", "share of the friction that commanded forces may use", low=0.0, high=1.0
-    )
-    start: float = setting(0.3, "s", "time to stand before the gait begins", low=0.0)
+        0.9, "-", "share of the friction that commanded forces may use", low=0.0, high=1.0,
+        tuned="`surefoot bench ablation --vary WalkSettings.friction_share --factor 4 "
+        "--task trot --seeds 3`, 2026-11-25: as good from 0.9 to 1",
+    )  # fmt: skip
+    start: float = setting(
+        0.3, "s", "time to stand before the gait begins", low=0.0,
+        tuned="`surefoot bench ablation --vary WalkSettings.start --factor 4 "
+        "--task gait-flying-trot --seeds 3`, 2026-11-25: as good from 0.075 to 0.3",
+    )  # fmt: skip
     clearance: float = setting(0.22, "h", "height of the swing over the ground", low=0.0)
     ease: float = setting(
         0.55,
@@ -87,16 +93,36 @@ class WalkSettings(Settings):
         tuned="judgement, not measured: `surefoot bench ablation --only ease` compares it with 1 alone: "
         "without it a trot takes 12 to 30 % more work at 0.8 to 1.4 m/s",
     )
-    horizon: int = setting(10, "-", "steps of the MPC", low=1)
-    steps_per_period: int = setting(14, "-", "MPC steps in a cycle of the gait", low=1)
-    plan_interval: float = setting(0.02, "s", "longest time between plans", low=0.0)
+    horizon: int = setting(
+        10, "-", "steps of the MPC", low=1,
+        tuned="`surefoot bench ablation --vary WalkSettings.horizon --factor 5 "
+        "--task trot --seeds 3`, 2026-11-25: as good from 2 to 10",
+    )  # fmt: skip
+    steps_per_period: int = setting(
+        14, "-", "MPC steps in a cycle of the gait", low=1,
+        tuned="`surefoot bench ablation --vary WalkSettings.steps_per_period --factor 5 "
+        "--task trot --task gait-flying-trot --seeds 6`, 2026-11-25: as good from 14 to 14",
+    )  # fmt: skip
+    plan_interval: float = setting(
+        0.02, "s", "longest time between plans", low=0.0,
+        tuned="`surefoot bench ablation --vary WalkSettings.plan_interval --factor 5 "
+        "--task gait-flying-trot --seeds 3`, 2026-11-25: as good from 0.02 to 0.1",
+    )  # fmt: skip
     body_stiffness: float = setting(
-        2.0, "sqrt(g / h)", "natural frequency of the feedback on the body's plan", low=0.0
-    )
+        2.0, "sqrt(g / h)", "natural frequency of the feedback on the body's plan", low=0.0,
+        tuned="`surefoot bench ablation --vary WalkSettings.body_stiffness --factor 20 "
+        "--task fast --seeds 3`, 2026-11-25: as good from 0.1 to 2",
+    )  # fmt: skip
     swing_stiffness: float = setting(
-        8.0, "sqrt(g / h)", "natural frequency of the feedback on feet in the air", low=0.0
-    )
-    normal_min: float = setting(0.02, "m g", "least normal force of a stance foot", low=0.0)
+        8.0, "sqrt(g / h)", "natural frequency of the feedback on feet in the air", low=0.0,
+        tuned="`surefoot bench ablation --vary WalkSettings.swing_stiffness --factor 5 "
+        "--task trot --seeds 3`, 2026-11-25: as good from 1.6 to 8",
+    )  # fmt: skip
+    normal_min: float = setting(
+        0.02, "m g", "least normal force of a stance foot", low=0.0,
+        tuned="`surefoot bench ablation --vary WalkSettings.normal_min --factor 5 "
+        "--task shoved --seeds 3`, 2026-11-25: as good from 0.004 to 0.02",
+    )  # fmt: skip
     normal_max: float = setting(1.5, "m g", "largest normal force of a stance foot", low=0.0)
     watch_load: bool = True
     ramp: float = setting(
