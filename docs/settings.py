@@ -27,8 +27,9 @@ Numbers that decide how the package behaves and judges, with where each value co
 command was run on that day and chose the value among others; the command repeats the choice. {judgement}
 means that nobody has compared the value with others.
 
-**{total} settings: {measured} chosen by a command, {judged} by judgement.** Of gains, behaviours and gaits, which
-`surefoot bench ablation` can vary, {varied} of {motion} are chosen by a command; of limits of verdicts {limited} of {limits}.
+**{total} settings: {measured} chosen by a command, {judged} by judgement.** Of gains, behaviours and gaits,
+which `surefoot bench ablation` can vary, {varied} of {motion} are chosen by a command; of limits of verdicts
+{limited} of {limits}.
 
 This page is printed from the sources by `python -m docs.settings`. Tolerances of algorithms, codes and bounds
 of input are no settings and stand beside the code that uses them.

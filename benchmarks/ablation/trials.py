@@ -46,7 +46,7 @@ class TrialError(SurefootError):
 def run_trials(
     change: Change, tasks: Sequence[str], seeds: Sequence[int]
 ) -> Generator[dict[str, Any], None, None]:
-    """Yield the records of a change's trials as they come, task after task; closing the generator ends its process."""
+    """Yield the records of a change's trials, task after task; closing the generator ends its process."""
     request = {
         "changes": dict(change.changes), "without": change.without, "tasks": list(tasks), "seeds": list(seeds)
     }  # fmt: skip

@@ -1,7 +1,7 @@
 """Values of settings, each compared with the value that the setting has.
 
-A value is worse if a task is worse with it beyond noise: by a sign test of the trials that are lost (six of six,
-but not five of five, are more than chance), or by the 95 % interval of a measure. The tasks of a value are
+A value is worse if a task is worse with it beyond noise: by a sign test of the trials that are lost (six of
+six are more than chance, five of five are not), or by the 95 % interval of a measure. Tasks of a value are
 carried out in turn until one is worse, and values on either side of the setting's own outwards until one is.
 """
 
@@ -48,8 +48,8 @@ class Setting:
         given
             Values; None for those by factors.
         factors
-            Above 1: of the values over the setting's own, and of that over the values; None for `FACTORS`. The
-            numbers of a setting that has several are multiplied by the same one.
+            Above 1: of values over the setting's own, and of that over values; None for `FACTORS`.
+            The numbers of a setting that has several are multiplied by the same one.
         """
         if isinstance(self.value, bool):
             return [not self.value]
@@ -57,7 +57,7 @@ class Setting:
             raise ProblemError(f"{self.name} has several numbers: try --factor in place of --value")
         both = [f for one in factors or FACTORS for f in (1.0 / one, one)]
         if isinstance(self.value, tuple):
-            tried = [tuple(self._allowed(f * part) for part in self.value) for f in both]
+            tried: list[Any] = [tuple(self._allowed(f * part) for part in self.value) for f in both]
         else:
             tried = [self._allowed(v) for v in given or [self.value * f for f in both]]
         return sorted({*tried} - {self.value}, key=place)
