@@ -27,6 +27,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.audit import judge
+from benchmarks.limit_cases.verdict import Verdict
 from benchmarks.problems.logged_runs import clean_runs
 from surefoot.mechanics import load_robot
 from surefoot.records.audit import AuditReport, audit_log, log_context
@@ -37,7 +38,7 @@ from surefoot.records.audit.seeded_faults import LOG_FAULTS, LogFault
 from surefoot.records.log import Log
 from surefoot.records.log.reading import read_log
 
-FACTORS = (3.0, 30.0)
+FACTORS = (3.0, 30.0, 300.0, 3000.0)
 """Steps away from a limit's value, each way."""
 RANK_STEPS = (0.006, 0.1, 1.0)
 """Steps of a symptom's strength, each way."""
@@ -133,8 +134,8 @@ def _kept(run: Any, keep: Path | None) -> Log:
     return read_log(path)
 
 
-def limits_read(case: Case) -> set[str]:
-    """Return the dotted names of the limits that an audit of a case reads."""
+def limits_read(case: Case | Verdict) -> set[str]:
+    """Return the dotted names of the limits that are read to judge a case."""
     read: set[str] = set()
 
     def noting(group: str, part: Any) -> Any:
@@ -150,7 +151,7 @@ def limits_read(case: Case) -> set[str]:
 
     noted = AuditLimits(**{one.name: noting(one.name, getattr(LIMITS, one.name)) for one in fields(LIMITS)})
     read.clear()
-    audit_log(case.log, limits=noted)
+    case.right(noted)
     return read
 
 
@@ -171,7 +172,7 @@ def values_away(name: str, value: float, whole: bool, up: bool) -> Iterator[floa
         yield from (value * (f if up else 1.0 / f) for f in FACTORS)
 
 
-def vary(name: str, tried: Sequence[Case]) -> Varied:
+def vary(name: str, tried: Sequence[Case | Verdict]) -> Varied:
     """Return what comes of varying a limit over the cases whose audits read it."""
     one = next(d for d in LIMITS.described() if d.name == name)
     value, queue = float(one.value or 0.0), list(tried)

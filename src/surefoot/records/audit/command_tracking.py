@@ -15,7 +15,6 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.spatial import rotation_from_quaternion
-from surefoot.records.audit.check_limits import CommandLimits
 from surefoot.records.audit.continuity import free_base
 from surefoot.records.audit.episode import LONGEST
 from surefoot.records.audit.intervals import Interval, Track
@@ -213,13 +212,15 @@ def judge_task(log: Log, limits: AuditLimits = LIMITS) -> tuple[Task, str]:
     ended = str(log.facts.get("outcome", ""))
     if ended in (Ending.FELL, Ending.LOST, Ending.INVALID):
         return "failed", f"the run ended after {float(log['time'][-1]):.2f} s: {_ENDED[ended]}"
-    if (down := _lies(log, limits.command)) and (not ended or ended == Ending.DONE):
+    if (down := _lies(log, limits)) and (not ended or ended == Ending.DONE):
         return "failed", down
     if ended != Ending.DONE:
         return "unknown", ""
-    if "command" in log and "q" in log and float(log["time"][-1]) > limits.walk.settled and not follows(log):
+    walked = "command" in log and "q" in log and float(log["time"][-1]) > limits.walk.settled
+    if walked and not follows(log, limits):
         return "failed", "the robot did not follow the commanded velocity"
-    if log.facts.get("kind") == "stand" and {"q", "contact_positions"} <= set(log.arrays) and displaced(log):
+    standing = log.facts.get("kind") == "stand" and {"q", "contact_positions"} <= set(log.arrays)
+    if standing and displaced(log, limits=limits):
         return "failed", "the base is not where it should stand"
     return "attained", ""
 
@@ -231,9 +232,12 @@ _ENDED = {
 }
 
 
-def _lies(log: Log, limits: CommandLimits) -> str:
+def _lies(log: Log, judged: AuditLimits) -> str:
     """Return how a robot with a free base lies at the end; empty if it does not, or one cannot tell."""
-    if not {"q", "v"} <= set(log.arrays) or not free_base(np.asarray(log["q"][:1]), np.asarray(log["v"][:1])):
+    limits, unit = judged.command, judged.records.unit_quaternion
+    if not {"q", "v"} <= set(log.arrays):
+        return ""
+    if not free_base(np.asarray(log["q"][:1]), np.asarray(log["v"][:1]), unit):
         return ""
     q = np.asarray(log["q"])[[0, -1]]
     if not np.isfinite(q).all():

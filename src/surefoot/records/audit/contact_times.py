@@ -13,11 +13,10 @@ import numpy as np
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray, of_kind
 from surefoot.base.errors import ProblemError, unknown_name
 from surefoot.base.numerics.phases import debounced
-from surefoot.records.audit.limits import LIMITS
+from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.audit.motion import foot_forces
+from surefoot.records.audit.run_limits import ContactTimeLimits
 from surefoot.records.log import Log
-
-TIMES = LIMITS.times
 
 
 @dataclass(frozen=True)
@@ -78,13 +77,15 @@ class ContactTimes:
         raise ProblemError(unknown_name("foot", name, [foot.name for foot in self.feet]))
 
 
-def contact_times(log: Log) -> ContactTimes:
+def contact_times(log: Log, limits: AuditLimits = LIMITS) -> ContactTimes:
     """Return when the feet touched, from ``foot_sensors`` or else ``forces``.
 
     Parameters
     ----------
     log
         With either channel; the fact ``feet`` names them.
+    limits
+        With those of touchdowns and lift-offs.
 
     Raises
     ------
@@ -95,7 +96,7 @@ def contact_times(log: Log) -> ContactTimes:
     time, channel, readings = _load_readings(log)
     names = [str(f) for f in log.facts.get("feet", ())] or [f"foot {k}" for k in range(readings.shape[1])]
     contacts = np.zeros(readings.shape, dtype=bool)
-    feet = tuple(_foot(name, time, readings[:, k], contacts[:, k]) for k, name in enumerate(names))
+    feet = tuple(_foot(name, time, readings[:, k], contacts[:, k], limits.times) for k, name in enumerate(names))
     return ContactTimes(channel, feet, contacts)
 
 
@@ -113,21 +114,23 @@ def _load_readings(log: Log) -> tuple[FloatArray, str, FloatArray]:
     return time, "forces", foot_forces(log)[..., 2]
 
 
-def _foot(name: str, time: FloatArray, reading: FloatArray, touch: BoolArray) -> FootTimes:
+def _foot(
+    name: str, time: FloatArray, reading: FloatArray, touch: BoolArray, limits: ContactTimeLimits
+) -> FootTimes:
     """Return one foot's contacts; `touch` (T,) is written."""
     if not np.isfinite(reading).all():
         return FootTimes(name, refused=f"{int((~np.isfinite(reading)).sum())} readings are not finite")
-    offset, peak = _levels(reading)
-    refused = _refusal(reading, offset, peak)
+    offset, peak = _levels(reading, limits)
+    refused = _refusal(reading, offset, peak, limits)
     if refused:
         return FootTimes(name, offset=offset, peak=peak, refused=refused)
-    up, down = (offset + share * (peak - offset) for share in (TIMES.touchdown, TIMES.lift_off))
-    touch[:] = debounced(time, _hysteresis(reading, up, down), TIMES.debounce)
+    up, down = (offset + share * (peak - offset) for share in (limits.touchdown, limits.lift_off))
+    touch[:] = debounced(time, _hysteresis(reading, up, down), limits.debounce)
     change = np.flatnonzero(np.diff(touch.astype(np.int8)))
     rising = change[touch[change + 1]]
     falling = change[~touch[change + 1]]
     touchdowns, lift_offs = _crossing(time, reading, rising, up), _crossing(time, reading, falling, down)
-    strides = _strides(time, touchdowns)
+    strides = _strides(time, touchdowns, limits)
     period = np.diff(strides, axis=1)
     duty = np.nan
     if len(strides):
@@ -137,27 +140,25 @@ def _foot(name: str, time: FloatArray, reading: FloatArray, touch: BoolArray) ->
     return FootTimes(name, touchdowns, lift_offs, strides, middle, duty, offset, peak)
 
 
-def _levels(reading: FloatArray) -> tuple[float, float]:
+def _levels(reading: FloatArray, limits: ContactTimeLimits) -> tuple[float, float]:
     """Return a foot's offset, the middle of its lowest readings, and its usual peak."""
     low, peak = np.percentile(reading, [5.0, 95.0])
-    near = reading[reading <= low + TIMES.flat * (peak - low)]
+    near = reading[reading <= low + limits.flat * (peak - low)]
     return float(np.median(near)), float(peak)
 
 
-def _refusal(reading: FloatArray, offset: float, peak: float) -> str:
+def _refusal(reading: FloatArray, offset: float, peak: float, limits: ContactTimeLimits) -> str:
     """Return why readings do not tell air from ground, empty if they do."""
     size = peak - offset
     steps = np.abs(np.diff(reading))
     noise = 1.4826 * float(np.median(steps)) / np.sqrt(2.0)
     if size <= 0.0:
         return f"the reading is {offset:g} almost always"
-    if size < TIMES.noise_ratio * noise:
-        return f"its peak of {size:.3g} is less than {TIMES.noise_ratio:g} times its noise of {noise:.3g}"
-    share = float((np.abs(reading - offset) <= TIMES.flat * size).mean())
-    if share < TIMES.flat_share:
+    if size < limits.noise_ratio * noise:
+        return f"its peak of {size:.3g} is less than {limits.noise_ratio:g} times its noise of {noise:.3g}"
+    share = float((np.abs(reading - offset) <= limits.flat * size).mean())
+    if share < limits.flat_share:
         return f"it has no level of its own in the air: {100 * share:.0f} % of the rows are near {offset:.3g}"
-    if share > 1.0 - TIMES.flat_most:
-        return "it hardly ever leaves its lowest level"
     return ""
 
 
@@ -177,16 +178,16 @@ def _crossing(time: FloatArray, reading: FloatArray, before: IntArray, level: fl
     return np.asarray(time[before] + np.clip(share, 0.0, 1.0) * (time[before + 1] - time[before]))
 
 
-def _strides(time: FloatArray, touchdowns: FloatArray) -> FloatArray:
+def _strides(time: FloatArray, touchdowns: FloatArray, limits: ContactTimeLimits) -> FloatArray:
     """Return (s, 2) strides without pauses and without holes in the time."""
     if len(touchdowns) < 2:
         return np.zeros((0, 2))
     strides = np.column_stack([touchdowns[:-1], touchdowns[1:]])
     period = np.diff(strides, axis=1)[:, 0]
     steps = np.diff(time)
-    holes = time[:-1][steps > max(TIMES.debounce, TIMES.hole * float(np.median(steps)))]
+    holes = time[:-1][steps > max(limits.debounce, limits.hole * float(np.median(steps)))]
     whole = np.searchsorted(holes, strides[:, 0]) == np.searchsorted(holes, strides[:, 1])
-    return np.asarray(strides[whole & (period <= TIMES.longest * np.median(period))])
+    return np.asarray(strides[whole & (period <= limits.longest * np.median(period))])
 
 
 def _overlap(touchdowns: FloatArray, lift_offs: FloatArray, begin: float, end: float) -> float:

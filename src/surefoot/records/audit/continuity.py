@@ -24,7 +24,7 @@ def state(rows: Rows) -> Measured:
     """Return the way by which positions are not those that velocities lead to: (T, p + 1) [m]."""
     value, limit = np.zeros((2, rows.count, rows.points + 1))
     q, v = rows.numbers("q"), rows.numbers("v")
-    slips = state_slips(q, v, rows.dt)
+    slips = state_slips(q, v, rows.dt, rows.setting.limits.records.unit_quaternion)
     if slips is not None:
         limits = rows.setting.limits.continuity
         scale = levers(q, v, limits.lever)
@@ -71,7 +71,9 @@ def contact_velocity(rows: Rows) -> Measured:
     return over(value, limit)
 
 
-def state_slips(q: FloatArray, v: FloatArray, dt: FloatArray) -> FloatArray | None:
+def state_slips(
+    q: FloatArray, v: FloatArray, dt: FloatArray, unit: float = LIMITS.records.unit_quaternion
+) -> FloatArray | None:
     """Return how far each step of the configuration is from what the velocities say: (T, nv) [m, rad].
 
     The turn of a free base is in its own axes, its way in the world's. None where the numbers of a
@@ -83,8 +85,10 @@ def state_slips(q: FloatArray, v: FloatArray, dt: FloatArray) -> FloatArray | No
         (T, nq), (T, nv) Pinocchio's order.
     dt
         (T,) time to the next row [s].
+    unit
+        How far from one a quaternion's length may be [-].
     """
-    floating = free_base(q, v)
+    floating = free_base(q, v, unit)
     if not floating and q.shape[1] != v.shape[1]:
         return None
     out = np.zeros(v.shape)
@@ -128,13 +132,14 @@ def gap_slips(gaps: FloatArray, velocity: FloatArray, dt: FloatArray, after: boo
     return out
 
 
-def free_base(q: FloatArray, v: FloatArray) -> bool:
-    """Return whether rows of configurations (T, nq) and velocities (T, nv) begin with a free base's."""
+def free_base(q: FloatArray, v: FloatArray, unit: float = LIMITS.records.unit_quaternion) -> bool:
+    """Return whether rows of configurations (T, nq) and velocities (T, nv) begin with a free base's.
+
+    `unit` is how far from one a quaternion's length may be [-].
+    """
     if q.shape[1] < BASE or q.shape[1] != v.shape[1] + 1:
         return False
-    return bool(
-        np.abs(np.linalg.norm(q[:, 3:BASE], axis=1) - 1.0).max(initial=0.0) < LIMITS.records.unit_quaternion
-    )
+    return bool(np.abs(np.linalg.norm(q[:, 3:BASE], axis=1) - 1.0).max(initial=0.0) < unit)
 
 
 def _turns(R: FloatArray) -> FloatArray:

@@ -147,7 +147,7 @@ class RankLimits(Settings):
     )
     mirror: float = setting(0.005, "-", "what a mirror loses", low=0.0, high=1.0, tuned=VARIED + "0 to 0.011")
     reversed_pull: float = setting(
-        0.9, "-", "strength of reversed forces where joint torques are not known", low=0.0, high=1.0
+        0.98, "-", "strength of reversed forces where joint torques are not known", low=0.0, high=1.0
     )
     scale: float = setting(
         0.002, "-", "what a wrong scale loses", low=0.0, high=1.0, tuned=VARIED + "0 to 0.008"

@@ -19,9 +19,6 @@ class ContactTimeLimits(Settings):
     lift_off: float = setting(0.06, "-", "share of that way at which the foot lifts off", low=0.0)
     flat: float = setting(0.05, "-", "share of that way within which a reading is that of the air", low=0.0)
     flat_share: float = setting(0.15, "-", "least share of rows with a reading of the air", low=0.0, high=1.0)
-    flat_most: float = setting(
-        0.02, "-", "share of other rows below which a foot never leaves the air", low=0.0, high=1.0
-    )
     noise_ratio: float = setting(10.0, "-", "least ratio of a foot's peak to its noise", low=0.0)
     longest: float = setting(2.0, "-", "longest stride over the median one; a longer one is a pause", low=1.0)
     hole: float = setting(5.0, "dt", "step of the clock from which no stride crosses it", low=1.0)

@@ -256,7 +256,7 @@ class MeasuredLimits(Settings):
         tuned=ALIKE + "0 to 0.9967",
     )
     reversed_pull: float = setting(
-        0.05, "m g", "mean pull from which forces are reversed where joint torques are not known", low=0.0
+        0.05, "m g", "mean pull at all contacts together from which forces are reversed where joint torques are not known", low=0.0
     )
     reversed_share: float = setting(
         0.9,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.base.errors import ProblemError
-from surefoot.records.audit.limits import LIMITS
+from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.audit.summary.run_summary import StepTimes
 from surefoot.records.log import Log
 
@@ -41,7 +41,7 @@ class EstimateErrors:
     step_us: StepTimes
 
 
-def estimate_errors(log: Log) -> EstimateErrors:
+def estimate_errors(log: Log, limits: AuditLimits = LIMITS) -> EstimateErrors:
     """Return the errors of a log's ``q_estimated`` and ``v_estimated``.
 
     Latency counts as error: both are held against the true state of the same row.
@@ -72,7 +72,7 @@ def estimate_errors(log: Log) -> EstimateErrors:
         velocity_rms=float(np.sqrt(np.mean(velocity**2))),
         velocity_max=float(velocity.max()),
         drift=drift,
-        drift_share=drift / way if way >= LIMITS.estimate.shortest_way else None,
+        drift_share=drift / way if way >= limits.estimate.shortest_way else None,
         tilt_rms_deg=float(np.degrees(np.sqrt(np.mean(tilt**2)))),
         heading_deg=float(np.degrees(heading[-1] - heading[0])),
         step_us=StepTimes.of(time),
@@ -99,11 +99,11 @@ class LoadEstimate:
     moment: list[float]
 
 
-def load_estimate(log: Log) -> LoadEstimate:
+def load_estimate(log: Log, limits: AuditLimits = LIMITS) -> LoadEstimate:
     """Return the mean of a log's ``load_estimated`` and ``wrench_estimated`` at its end."""
-    rows = max(1, round(LIMITS.estimate.last / float(log.fact("dt"))))
+    rows = max(1, round(limits.estimate.last / float(log.fact("dt"))))
     mass, *moment = log["load_estimated"][-rows:].mean(axis=0).tolist()
     wrench = log["wrench_estimated"][-rows:].mean(axis=0)
-    light = abs(mass) < LIMITS.estimate.light * float(log.fact("mass_controller"))
+    light = abs(mass) < limits.estimate.light * float(log.fact("mass_controller"))
     place = None if light else (np.array(moment) / mass).tolist()
     return LoadEstimate(mass, place, wrench[:3].tolist(), wrench[3:].tolist())

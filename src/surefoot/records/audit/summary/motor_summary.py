@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
-from surefoot.records.audit.limits import LIMITS
+from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.log import Log
 
 IDEAL = "ideal"
@@ -40,7 +40,7 @@ class MotorUse:
     beyond_curve_max: float
 
 
-def motor_use(log: Log) -> MotorUse | None:
+def motor_use(log: Log, judged: AuditLimits = LIMITS) -> MotorUse | None:
     """Return what a log says about the use of the motors; None for one that tells no limit of speeds."""
     if "speed_limits" not in log.facts or "v" not in log:
         return None
@@ -56,8 +56,8 @@ def motor_use(log: Log) -> MotorUse | None:
         str(log.facts.get("actuators", IDEAL)),
         float(use.max()),
         log.fact("joints")[int(use.max(axis=0).argmax())],
-        float(np.mean((use > LIMITS.motors.over_speed).any(axis=1))),
-        float(np.mean((beyond > LIMITS.motors.cut).any(axis=1))),
+        float(np.mean((use > judged.motors.over_speed).any(axis=1))),
+        float(np.mean((beyond > judged.motors.cut).any(axis=1))),
         float(beyond.max()),
     )
 

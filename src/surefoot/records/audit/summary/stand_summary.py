@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from surefoot.records.audit.limits import LIMITS
+from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.audit.motion import tilt_angles
 from surefoot.records.audit.summary.run_summary import RunSummary, ending_of, shared_fields
 from surefoot.records.log import Ending, Log
@@ -44,8 +44,8 @@ class StandSummary(RunSummary):
     base: BaseMotion
 
 
-def summarise_stand(log: Log) -> StandSummary:
-    """Return the summary of a stand.
+def summarise_stand(log: Log, limits: AuditLimits = LIMITS) -> StandSummary:
+    """Return the summary of a stand, its outcome by limits.
 
     Raises
     ------
@@ -55,7 +55,7 @@ def summarise_stand(log: Log) -> StandSummary:
     ended, base = ending_of(log), _base(log)
 
     def judge(slip: float) -> str:
-        return _outcome(log, ended, slip, base)
+        return _outcome(log, ended, slip, base, limits)
 
     return StandSummary(
         **shared_fields(log, judge, StandSummary.success_key, steps=False),
@@ -71,21 +71,20 @@ def _base(log: Log) -> BaseMotion:
     return BaseMotion(float(away.max()), float(away[-1]), float(tilt.max()), float(tilt[-1]))
 
 
-def _outcome(log: Log, ended: Ending, slip: float, base: BaseMotion) -> str:
+def _outcome(log: Log, ended: Ending, slip: float, base: BaseMotion, limits: AuditLimits) -> str:
     """Return "stood", or why not."""
     if ended in (Ending.INVALID, Ending.INTERRUPTED, Ending.STOPPED):
         return str(ended)
-    if slip > LIMITS.stand.slip:
+    if slip > limits.stand.slip:
         return "slipped"
     if ended is Ending.FELL:
         return str(ended)
-    return "displaced" if displaced(log, base) else "stood"
+    return "displaced" if displaced(log, base, limits) else "stood"
 
 
-def displaced(log: Log, base: BaseMotion | None = None) -> bool:
+def displaced(log: Log, base: BaseMotion | None = None, limits: AuditLimits = LIMITS) -> bool:
     """Return whether the base of a stand ends too far from where it started, or leans."""
     base = _base(log) if base is None else base
     height = abs(float(log["q"][0, 2] - log["contact_positions"][0, :, 2].mean()))
-    limits = LIMITS.stand
-    leans = np.radians(base.tilt_end_deg) > np.radians(limits.tilt)
-    return bool(base.position_end > limits.drift * height or leans)
+    leans = np.radians(base.tilt_end_deg) > np.radians(limits.stand.tilt)
+    return bool(base.position_end > limits.stand.drift * height or leans)

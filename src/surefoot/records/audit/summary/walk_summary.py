@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from surefoot.base.spatial import rotation_from_quaternion
-from surefoot.records.audit.limits import LIMITS
+from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.audit.motion import commanded_excess, heading_velocity
 from surefoot.records.audit.summary.estimate_summary import (
     EstimateErrors,
@@ -42,7 +42,11 @@ class VelocityTracking:
     @property
     def followed(self) -> bool:
         """Whether the velocity is what was commanded by half at least, along the ground and turning."""
-        limits = LIMITS.walk
+        return self.followed_within(LIMITS)
+
+    def followed_within(self, judged: AuditLimits) -> bool:
+        """Return whether it was followed by given limits."""
+        limits = judged.walk
         for axes in ((self.forward, self.left), (self.turn,)):
             wanted, missed = (float(np.linalg.norm([astuple(a)[k] for a in axes])) for k in (0, 2))
             if missed > max(limits.followed_share * wanted, limits.followed_floor):
@@ -93,8 +97,8 @@ class WalkSummary(RunSummary):
     stale: float | None = None
 
 
-def summarise_walk(log: Log) -> WalkSummary:
-    """Return the summary of a walk.
+def summarise_walk(log: Log, limits: AuditLimits = LIMITS) -> WalkSummary:
+    """Return the summary of a walk, its outcome by limits.
 
     Raises
     ------
@@ -102,12 +106,12 @@ def summarise_walk(log: Log) -> WalkSummary:
         If the log lacks a channel or a fact that it needs.
     """
     ended = ending_of(log)
-    velocity, q = _tracking(log), log["q"]
+    velocity, q = velocity_tracking(log, limits), log["q"]
 
     def judge(slip: float) -> str:
         if ended is not Ending.DONE:
             return str(ended)
-        return "walked" if velocity.followed else "did not follow"
+        return "walked" if velocity.followed_within(limits) else "did not follow"
 
     up = rotation_from_quaternion(q[:, 3:7])[:, :, 2]
     return WalkSummary(
@@ -120,24 +124,24 @@ def summarise_walk(log: Log) -> WalkSummary:
         distance=float(np.linalg.norm(np.diff(q[:, :2], axis=0), axis=1).sum()),
         climb=float(q[-1, 2] - q[0, 2]),
         notes=log.fact("notes") if log.facts.get("notes") else [],
-        estimate=estimate_errors(log) if "q_estimated" in log else None,
-        load=load_estimate(log) if "load_estimated" in log else None,
+        estimate=estimate_errors(log, limits) if "q_estimated" in log else None,
+        load=load_estimate(log, limits) if "load_estimated" in log else None,
         stale=float(log.fact("dt") * np.sum(log["stale"])) if "stale" in log else None,
     )
 
 
-def follows(log: Log) -> bool:
-    """Return whether a walk went by half its command at least, see `VelocityTracking.followed`."""
-    return _tracking(log).followed
+def follows(log: Log, limits: AuditLimits = LIMITS) -> bool:
+    """Return whether a walk went by half its command at least, see `VelocityTracking.followed_within`."""
+    return velocity_tracking(log, limits).followed_within(limits)
 
 
-def _tracking(log: Log) -> VelocityTracking:
+def velocity_tracking(log: Log, judged: AuditLimits) -> VelocityTracking:
     """Return the mean velocities after the start, against the commanded ones."""
-    late = log["time"] >= LIMITS.walk.settled
+    limits = judged.walk
+    late = log["time"] >= limits.settled
     if not late.any():
         late = np.ones(len(log), dtype=bool)
     wanted, measured = log["command"][late].mean(axis=0), heading_velocity(log)[late].mean(axis=0)
-    limits = LIMITS.walk
     allowed = np.maximum(limits.tracking_share * np.abs(wanted), limits.tracking_floor)
     error = measured - wanted
     forward, left, turn = (

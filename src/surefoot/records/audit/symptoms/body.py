@@ -190,7 +190,7 @@ def _lever(e: Episode) -> float:
 def _slips(e: Episode) -> FloatArray:
     """Return how far each row's step of the state is from its velocity (m,) [m], angles on a lever."""
     q, v = e.rows.numbers("q"), e.rows.numbers("v")
-    slips = state_slips(q, v, e.rows.dt)
+    slips = state_slips(q, v, e.rows.dt, e.limits.records.unit_quaternion)
     if slips is None:
         return np.zeros(len(v))
     return np.asarray(np.linalg.norm(slips * levers(q, v, _lever(e)), axis=1))

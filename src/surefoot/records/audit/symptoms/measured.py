@@ -86,10 +86,9 @@ def reversed_force(e: Episode) -> Evidence | None:
     """Tell whether the logged force acts on the ground."""
     true, limits = e.true, e.limits.measured
     if true is None:
-        if e.has("pull") and float(np.mean(e.force[:, 2])) < -limits.reversed_pull * e.weight:
-            return Evidence(
-                e.limits.ranks.reversed_pull, "the ground pulls with a share of the weight throughout"
-            )
+        total = e.rows.normal[e.rows.core].sum(axis=1)  # one foot alone may be pulled, all together are not
+        if e.has("pull") and float(np.mean(total)) < -limits.reversed_pull * e.weight:
+            return Evidence(e.limits.ranks.reversed_pull, "the ground pulls at all feet together")
         return None
     share = e.share_explained(-true)
     if share <= limits.reversed_share:
