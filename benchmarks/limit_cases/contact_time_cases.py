@@ -44,8 +44,8 @@ def contact_time_cases() -> Iterator[Verdict]:
     ):
         yield Verdict(name, f"{why}: tells no contact", partial(_right, _log(reading()), _refused))
     for lost, strides, why in (
-        (0.08, 7, "eight rows of ten lost at 100 Hz may hide a touchdown"),
-        (0.04, 8, "a computer that is late by three rows in 100 Hz has lost nothing"),
+        (0.08, 8, "eight rows of ten lost at 100 Hz may hide a touchdown"),
+        (0.04, 9, "a computer that is late by three rows in 100 Hz has lost nothing"),
     ):
         right = partial(_count, strides)
         yield Verdict(f"a hole of {1e3 * lost:g} ms", why, partial(_right, _hole(lost), right))
@@ -77,7 +77,7 @@ def _told(
     air = reading == 0.0
     shake = rng.uniform(-1.0, 1.0, len(time)) if shaking else rng.normal(size=len(time))
     reading = reading + noise * PEAK * np.where(air | (not shaking), shake, 0.0)
-    begins = period * (np.arange(1, int(8.0 / period)))
+    begins = period * np.arange(1, int(8.0 / period) + 1)
 
     def right(foot: FootTimes) -> bool:
         if foot.refused or abs(len(foot.touchdowns) - len(begins)) > 1:
