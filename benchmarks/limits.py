@@ -1,12 +1,13 @@
-"""Vary the limits of an audit, one at a time, over logs with seeded faults and clean ones.
+"""Vary the limits of an audit, one at a time, over logs with seeded faults, clean ones, and made cases.
 
 Run: python -m benchmarks.limits [NAME...] [--runs 1] [--clean 20] [--keep FOLDER] [--json]. NAME is a limit
 as `surefoot.records.audit.limits.LIMITS` has it ("laws.pull") or a group of them ("laws"); all without one.
-FOLDER keeps the clean runs, which are simulated once.
+FOLDER keeps the clean runs, which are simulated once. What the made cases are is in `benchmarks.limit_cases`.
 
 Each limit is moved away from its value in both directions, further and further, until the audits do worse: a
 fault is no longer found with its foot, time and cause (see `benchmarks.audit`), or a clean run is no longer
-lawful without any symptom, finding about its command, or friction beside the ground's. Printed are the range
+lawful without any symptom, finding about its command, or friction beside the ground's, or what is said of a
+made case is wrong. Printed are the range
 over which nothing changes, and what the first value beyond it costs. The choice of a limit is repeated if its
 value does as well as any that was tried and at least one does worse; a limit that may take any value without
 effect on these logs is not decided by them.
@@ -27,7 +28,13 @@ from typing import Any
 import numpy as np
 
 from benchmarks.audit import judge
-from benchmarks.limit_cases.verdict import Verdict
+from benchmarks.limit_cases.command_cases import command_cases
+from benchmarks.limit_cases.contact_time_cases import contact_time_cases
+from benchmarks.limit_cases.friction_cases import friction_cases
+from benchmarks.limit_cases.law_cases import law_cases
+from benchmarks.limit_cases.run_cases import run_cases
+from benchmarks.limit_cases.symptom_cases import symptom_cases
+from benchmarks.limit_cases.verdict import CleanLogs, Verdict
 from benchmarks.problems.logged_runs import clean_runs
 from surefoot.mechanics import load_robot
 from surefoot.records.audit import AuditReport, audit_log, log_context
@@ -44,6 +51,8 @@ RANK_STEPS = (0.006, 0.1, 1.0)
 """Steps of a symptom's strength, each way."""
 WHOLE_STEPS = (1, 4, 20)
 """Steps of a whole number, each way."""
+MOST_BY_STEPS = 100
+"""Whole numbers beyond this move by factors, as others do."""
 OTHER_FRICTION = 0.05
 """Share by which an interval of friction may be beside the ground's own [-]."""
 
@@ -108,11 +117,11 @@ class Varied:
         return bool(self.below or self.above)
 
 
-def cases(runs: int, clean: int, keep: Path | None) -> list[Case]:
-    """Return logs with faults, so many of each kind, and clean ones; without those that audits get wrong."""
+def cases(runs: int, clean: int, keep: Path | None) -> list[Case | Verdict]:
+    """Return made cases, logs with faults, so many of each kind, and clean ones; all that verdicts get right."""
     logs = [_kept(run, keep) for run in clean_runs(max(clean, 20))]
     names = [run.name for run in clean_runs(max(clean, 20))]
-    out = []
+    out: list[Case | Verdict] = list(made_cases(logs.__getitem__))
     for fault in LOG_FAULTS:
         found = 0
         for seed, (name, log) in enumerate(zip(names, logs, strict=True)):
@@ -122,6 +131,13 @@ def cases(runs: int, clean: int, keep: Path | None) -> list[Case]:
                 out.append(Case(f"{fault.name} in {name}", faulty.log, fault, faulty))
     out += [Case(name, log) for name, log in zip(names[:clean], logs[:clean], strict=True)]
     return [case for case in out if case.right(LIMITS)]
+
+
+def made_cases(logs: CleanLogs) -> Iterator[Verdict]:
+    """Yield the cases of `benchmarks.limit_cases`, from the clean runs by number."""
+    yield from run_cases(logs)
+    for some in (contact_time_cases, law_cases, friction_cases, command_cases, symptom_cases):
+        yield from some()
 
 
 def _kept(run: Any, keep: Path | None) -> Log:
@@ -161,7 +177,7 @@ def values_away(name: str, value: float, whole: bool, up: bool) -> Iterator[floa
     Strengths move by steps; numbers near one by their distance from it; others by factors.
     """
     sign = 1.0 if up else -1.0
-    if whole:
+    if whole and value <= MOST_BY_STEPS:
         yield from (value + sign * step for step in WHOLE_STEPS)
     elif name.startswith("ranks."):
         yield from (value + sign * step for step in RANK_STEPS)
