@@ -32,6 +32,7 @@ from benchmarks.limit_cases.command_cases import command_cases
 from benchmarks.limit_cases.contact_time_cases import contact_time_cases
 from benchmarks.limit_cases.friction_cases import friction_cases
 from benchmarks.limit_cases.law_cases import law_cases
+from benchmarks.limit_cases.robot_cases import robot_cases
 from benchmarks.limit_cases.run_cases import run_cases
 from benchmarks.limit_cases.symptom_cases import symptom_cases
 from benchmarks.limit_cases.verdict import CleanLogs, Verdict
@@ -138,6 +139,7 @@ def made_cases(logs: CleanLogs) -> Iterator[Verdict]:
     yield from run_cases(logs)
     for some in (contact_time_cases, law_cases, friction_cases, command_cases, symptom_cases):
         yield from some()
+    yield from robot_cases(logs)
 
 
 def _kept(run: Any, keep: Path | None) -> Log:

@@ -165,3 +165,9 @@ def test_a_jump_lands_on_a_step(go2, height, way):
         pytest.importorskip("mujoco")
         done = execute(plan, seed=0)
         assert (done.landed, done.laws) == (True, []), done.why
+
+
+@pytest.mark.parametrize(("task", "asked"), [("jump", 9.0), ("jump", -9.0), ("jump-up", -0.1)])
+def test_a_jump_beyond_any_reach_is_refused_at_once(go2: sf.Robot, task: str, asked: float) -> None:
+    with pytest.raises(sf.ProblemError, match="must be a number between"):
+        sf.plan(go2, task, asked)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import re
+from dataclasses import fields, replace
+from functools import cache
 
 import numpy as np
 import pytest
 
-from benchmarks.limits import changed, values_away
+from benchmarks.limits import changed, limits_read, made_cases, values_away, vary
+from benchmarks.problems.logged_runs import clean_runs
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY
 from surefoot.records.audit import audit_log
@@ -48,5 +51,46 @@ def test_limits_are_varied_away_from_their_value_on_their_own_scale() -> None:
             tried = [abs(x - value) for x in values_away(one.name, value, one.info.whole, up)]
             assert tried == sorted(tried), one.name
             assert tried[0] > 0.0, one.name
-    assert list(values_away("laws.cone", 1.001, False, True)) == pytest.approx([1.003, 1.03])
-    assert list(values_away("laws.pull", 1e-3, False, False)) == pytest.approx([1e-3 / 3.0, 1e-3 / 30.0])
+    assert list(values_away("laws.cone", 1.001, False, True)) == pytest.approx([1.003, 1.03, 1.3, 4.0])
+    assert list(values_away("laws.pull", 1e-3, False, False)) == pytest.approx([1e-3 / 3.0, 1e-3 / 30.0, 1e-3 / 300.0, 1e-3 / 3000.0])
+
+
+@cache
+def clean_log(number: int) -> Log:
+    return clean_runs(number + 1)[number].make()
+
+
+def test_every_made_case_is_right_and_says_where_its_size_is_from() -> None:
+    made = list(made_cases(clean_log))
+    assert not [one.name for one in made if not one.right(LIMITS)]
+    assert all(one.why for one in made)
+    assert len({one.name for one in made}) == len(made) > 100
+
+
+def test_sources_that_name_the_command_name_limits_that_exist() -> None:
+    known = {one.name for one in LIMITS.described()} | {one.name for one in fields(LIMITS)}
+    sources = [one.info.source for one in LIMITS.described()]
+    commands = [found for source in sources if (found := re.match(r"`python -m benchmarks\.limits ?([^`]*)`", source))]
+    assert len(commands) > 100
+    assert {name for command in commands for name in command[1].split()} <= known
+    assert not changed_needlessly()
+
+
+def changed_needlessly() -> list[str]:
+    """Return the limits whose ranges do not hold their own value."""
+    out = []
+    for one in LIMITS.described():
+        span = re.search(r"from ([0-9.e+-]+) to ([0-9.e+-]+)", one.info.source)
+        if span and not float(span[1]) * 0.999 <= float(one.value) <= float(span[2]) * 1.001:
+            out.append(one.name)
+    return out
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("group", ["times", "walk", "stand", "motors", "estimate"])
+def test_the_choice_of_a_group_is_repeated_by_the_made_cases(group: str) -> None:
+    made = list(made_cases(clean_log))
+    for one in LIMITS.described():
+        if one.name.startswith(f"{group}."):
+            varied = vary(one.name, [case for case in made if one.name in limits_read(case)])
+            assert varied.decided, one.name

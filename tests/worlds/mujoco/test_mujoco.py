@@ -11,6 +11,7 @@ import surefoot as sf
 from surefoot.base.errors import ModelError, ProblemError
 from surefoot.base.spatial import GRAVITY, rotation_from_quaternion
 from surefoot.worlds.mujoco.mujoco_world import MujocoWorld, pinocchio_state, robot_spec
+from surefoot.worlds.mujoco.spec import compile_spec
 
 ROBOTS = ["go2", "anymal_c", "solo12", "hyq", "g1", "panda"]
 
@@ -194,3 +195,10 @@ def test_unknown_joint_kinds_are_refused(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(robot, "model", model)
     with pytest.raises(ModelError, match="joint ball is a Spherical"):
         robot_spec(robot)
+
+
+def test_a_model_that_does_not_compile_is_refused_by_its_name() -> None:
+    spec = mujoco.MjSpec()
+    spec.worldbody.add_body(name="light").add_joint(name="hinge")  # it moves and has no mass
+    with pytest.raises(ModelError, match="MuJoCo cannot simulate thing: "):
+        compile_spec(spec, "thing")

@@ -64,28 +64,28 @@ class CheckLimits(Settings):
         tuned=VARIED + "0.003333 to 0.1",
     )
     idle_share: float = setting(
-        0.95, "-", "share of that time without any force", low=0.0, high=1.0, tuned=ALIKE + "0 to 0.9983"
+        0.95, "-", "share of that time without any force", low=0.0, high=1.0, tuned=VARIED + "0 to 0.9833"
     )
     idle_gap: float = setting(
         1e-4,
         "m",
         "gap up to which a foot touches the ground while idle",
         low=0.0,
-        tuned=ALIKE + "3.333e-06 to 0.003",
+        tuned=VARIED + "0.0001 to 0.003",
     )
     idle_force: float = setting(
         0.3,
         "m g",
         "force missing from the motion that shows that the robot does not fall",
         low=0.0,
-        tuned=ALIKE + "0.01 to 9",
+        tuned=VARIED + "0.0001 to 0.9",
     )
     frozen_time: float = setting(
         0.03,
         "s",
         "time in which a measured force changes by rounding at least",
         low=0.0,
-        tuned=VARIED + "0.01 to 0.09",
+        tuned=VARIED + "0.03 to 0.09",
     )
     frozen_share: float = setting(
         0.95,
@@ -93,10 +93,10 @@ class CheckLimits(Settings):
         "share of that time without any change that is frozen",
         low=0.0,
         high=1.0,
-        tuned=ALIKE + "0 to 0.9983",
+        tuned=VARIED + "0.85 to 1",
     )
     frozen_rows: int = setting(
-        8, "-", "rows in that time up to which nothing is called frozen", low=0, tuned=ALIKE + "0 to 28"
+        8, "-", "rows in that time up to which nothing is called frozen", low=0, tuned=VARIED + "0 to 12"
     )
     lean_time: float = setting(
         0.1, "s", "time over which loads of the diagonals are compared", low=0.0, tuned=VARIED + "0.1 to 3"
@@ -136,7 +136,7 @@ class BalanceLimits(Settings):
         "m g",
         "root mean square of the force that may be left over",
         low=1e-9,
-        tuned=ALIKE + "0.003333 to 3",
+        tuned=VARIED + "0.003333 to 300",
     )
     arm: float = setting(
         0.02,
@@ -170,17 +170,17 @@ class ContinuityLimits(Settings):
         "m",
         "way by which positions may be beside their velocities",
         low=1e-9,
-        tuned=VARIED + "6.667e-05 to 0.006",
+        tuned=VARIED + "6.667e-05 to 0.002",
     )
     lever: float = setting(
-        0.1, "m/rad", "lever that makes an angle a way", low=1e-9, tuned=VARIED + "0.03333 to 3"
+        0.1, "m/rad", "lever that makes an angle a way", low=1e-9, tuned=VARIED + "0.1 to 3"
     )
     drift: float = setting(
         0.05,
         "-",
         "share of the way gone by which positions may be beside velocities",
         low=0.0,
-        tuned=ALIKE + "0.001667 to 1.5",
+        tuned=VARIED + "1.667e-05 to 0.05",
     )
     gap_time: float = setting(
         0.02, "s", "time over which steps of gaps are added up", low=0.0, tuned=VARIED + "0.0006667 to 0.06"
@@ -190,17 +190,17 @@ class ContinuityLimits(Settings):
         "m",
         "way by which gaps may be beside velocities: contacts wander over a round foot",
         low=0.0,
-        tuned=ALIKE + "0.0001667 to 0.15",
+        tuned=VARIED + "1.667e-05 to 15",
     )
     velocity: float = setting(
         0.05,
         "m/s",
         "difference of a contact's velocity from that of the joints",
         low=0.0,
-        tuned=ALIKE + "0.001667 to 1.5",
+        tuned=VARIED + "0.0001667 to 150",
     )
     velocity_share: float = setting(
-        0.05, "-", "the difference as a share of the speed", low=0.0, tuned=ALIKE + "0.001667 to 1.5"
+        0.05, "-", "the difference as a share of the speed", low=0.0, tuned=ALIKE + "1.667e-05 to 150"
     )
 
 
@@ -220,7 +220,7 @@ class ReboundLimits(Settings):
         "-",
         "share of the energy taken that a touch may return: restitution 1.015",
         low=0.0,
-        tuned=ALIKE + "0.001 to 0.9",
+        tuned=VARIED + "0.01 to 0.03",
     )
     return_time: float = setting(
         0.01,
@@ -237,7 +237,7 @@ class ReboundLimits(Settings):
         "s",
         "step from row to row beyond which a touch is over between two",
         low=0.0,
-        tuned=ALIKE + "0.0001667 to 0.15",
+        tuned=VARIED + "0.001667 to 15",
     )
 
 
@@ -250,37 +250,37 @@ class FrictionLimits(Settings):
         "m g",
         "normal force from which a foot's force tells of friction",
         low=0.0,
-        tuned=ALIKE + "0.0006667 to 0.6",
+        tuned=VARIED + "0.006667 to 0.06",
     )
     least_slide: float = setting(
         0.02,
         "s",
         "shortest slide that bounds friction from above; half of it is cut off at each end",
         low=0.0,
-        tuned=ALIKE + "0.0006667 to 0.6",
+        tuned=VARIED + "6.667e-06 to 0.02",
     )
-    bins: int = setting(2000, "-", "bins in which friction is counted", low=10, tuned=ALIKE + "1980 to 2020")
-    top: float = setting(4.0, "-", "friction of the last bin", low=0.1, tuned=ALIKE + "0.1333 to 120")
+    bins: int = setting(2000, "-", "bins in which friction is counted", low=10, tuned=VARIED + "1980 to 2020")
+    top: float = setting(4.0, "-", "friction of the last bin", low=0.1, tuned=VARIED + "1.333 to 12")
     share: float = setting(
         0.995,
         "-",
         "share of rows that use no more than the lower bound",
         low=0.0,
         high=1.0,
-        tuned=ALIKE + "0.85 to 0.9998",
+        tuned=VARIED + "0.985 to 0.9983",
     )
     window: float = setting(
-        0.1, "s", "time in which the ground is taken to be the same", low=1e-6, tuned=ALIKE + "0.003333 to 3"
+        0.1, "s", "time in which the ground is taken to be the same", low=1e-6, tuned=VARIED + "0.03333 to 0.3"
     )
     change: float = setting(
         0.15,
         "-",
         "share by which one bound must be beyond the other for a change of ground",
         low=0.0,
-        tuned=ALIKE + "0.005 to 4.5",
+        tuned=VARIED + "0.05 to 0.45",
     )
     least_time: float = setting(
-        0.01, "s", "time of friction used that contradicts slides", low=0.0, tuned=ALIKE + "0.0003333 to 0.3"
+        0.01, "s", "time of friction used that contradicts slides", low=0.0, tuned=VARIED + "3.333e-06 to 0.03"
     )
     least_rows: int = setting(
         3, "-", "rows within slides that contradict the friction used", low=1, tuned=ALIKE + "1 to 23"
@@ -292,14 +292,14 @@ class CommandLimits(Settings):
     """Limits of what the controller asked for and what came of it."""
 
     window: float = setting(
-        0.05, "s", "time over which the command is judged", low=1e-6, tuned=ALIKE + "0.001667 to 1.5"
+        0.05, "s", "time over which the command is judged", low=1e-6, tuned=VARIED + "0.05 to 0.15"
     )
     at_once: float = setting(
         0.025,
         "s",
         "time without a foot that pushes, longer than a lift-off or a late touchdown",
         low=0.0,
-        tuned=ALIKE + "0.0008333 to 0.75",
+        tuned=VARIED + "0.025 to 0.075",
     )
     nearly_all: float = setting(
         0.9,
@@ -307,43 +307,42 @@ class CommandLimits(Settings):
         "share of the window in which a command is impossible",
         low=0.0,
         high=1.0,
-        tuned=ALIKE + "0 to 0.9967",
+        tuned=VARIED + "0.7 to 0.9667",
     )
     touching: float = setting(
         1e-3,
         "m",
         "gap up to which a foot touches that is asked for nothing",
         low=0.0,
-        tuned=ALIKE + "3.333e-05 to 0.03",
+        tuned=VARIED + "0.0003333 to 0.003",
     )
     mismatch: float = setting(
         0.06,
         "m g",
         "mean force beside the commanded one (clean walks: 0.015 measured, 0.005 by torques)",
         low=0.0,
-        tuned=VARIED + "0.02 to 1.8",
+        tuned=VARIED + "0.02 to 0.06",
     )
     torque_mismatch: float = setting(
-        0.05, "-", "mean difference of applied and commanded torques over the largest commanded", low=0.0
-    )
+        0.05, "-", "mean difference of applied and commanded torques over the largest commanded", low=0.0, tuned=VARIED + "0.05 to 0.15")
     explained: float = setting(
         0.8,
         "-",
         "share of a mismatch that a turn or a mirror must explain to be named",
         low=0.0,
         high=1.0,
-        tuned=ALIKE + "0.02667 to 1",
+        tuned=VARIED + "0.8 to 0.8",
     )
     least_turn: float = setting(
-        3.0, "deg", "turn of commanded forces that is named", low=0.0, tuned=ALIKE + "0.1 to 90"
+        3.0, "deg", "turn of commanded forces that is named", low=0.0, tuned=VARIED + "0.001 to 90"
     )
     leans: float = setting(
-        60.0, "deg", "lean of the base at the end from which a robot fell", low=0.0, tuned=ALIKE + "2 to 1800"
+        60.0, "deg", "lean of the base at the end from which a robot fell", low=0.0, tuned=VARIED + "60 to 60"
     )
     low: float = setting(
         0.4,
         "-",
         "height at the end, as a share of the first, below which a robot fell",
         low=0.0,
-        tuned=ALIKE + "0.01333 to 12",
+        tuned=VARIED + "0.4 to 0.4",
     )

@@ -39,73 +39,73 @@ class LawLimits(Settings):
         "m",
         "deepest penetration that counts as touching, widest gap across which a force may act",
         low=0.0,
-        tuned=VARIED + "0.0003333 to 0.003",
+        tuned=VARIED + "0.0003333 to 0.001",
     )
     slide: float = setting(
         1e-3,
         "m",
         "longest way of a contact without friction that counts as sticking",
         low=0.0,
-        tuned=VARIED + "3.333e-05 to 0.003",
+        tuned=VARIED + "0.001 to 0.003",
     )
     swing_depth: float = setting(
         1.6,
         "-",
         "factor on the depth of a soft contact while its body tumbles on corners (1.5 was seen)",
         low=1.0,
-        tuned=ALIKE + "1 to 48",
+        tuned=VARIED + "1.6 to 1.6",
     )
     hard_touchdown: float = setting(
         0.7,
         "m/s",
         "speed into the ground from which a landing sets soft contacts swinging",
         low=0.0,
-        tuned=ALIKE + "0.02333 to 21",
+        tuned=VARIED + "0.2333 to 0.7",
     )
     pull: float = setting(
-        1e-3, "m g", "largest pull that counts as rounding", low=0.0, tuned=ALIKE + "3.333e-05 to 0.03"
+        1e-3, "m g", "largest pull that counts as rounding", low=0.0, tuned=VARIED + "3.333e-07 to 0.03"
     )
     cone: float = setting(
         1.0 + 1e-3,
         "-",
         "highest use of the friction cone that counts as inside",
         low=0.0,
-        tuned=ALIKE + "1 to 1.03",
+        tuned=VARIED + "1 to 1.003",
     )
     loaded: float = setting(
         ACTS,
         "m g",
         "normal force above which a contact is loaded; below it its use of friction is noise",
         low=0.0,
-        tuned=VARIED + "3.333e-05 to 0.003",
+        tuned=VARIED + "0.001 to 0.003",
     )
     least_friction: float = setting(
         1e-4,
         "-",
         "friction that a ground with less counts as having: simulators know no exact zero",
         low=1e-12,
-        tuned=ALIKE + "3.333e-06 to 0.003",
+        tuned=VARIED + "3.333e-05 to 0.003",
     )
     sliding_speed: float = setting(
         1e-2,
         "m/s",
         "tangential speed from which a contact slides at an instant",
         low=0.0,
-        tuned=ALIKE + "0.0003333 to 0.3",
+        tuned=VARIED + "0.0003333 to 0.03",
     )
     slide_piece: float = setting(
         1e-4,
         "m",
         "length of the pieces of a slide; shaking within less is no way",
         low=1e-9,
-        tuned=ALIKE + "3.333e-06 to 0.003",
+        tuned=VARIED + "3.333e-05 to 0.3",
     )
     release: float = setting(
         UNLOADED,
         "s",
         "time without load that ends a stance; a shorter one is a bounce",
         low=0.0,
-        tuned=ALIKE + "0.0006667 to 0.6",
+        tuned=VARIED + "0.006667 to 0.06",
     )
     lag: float = setting(
         0.05,
@@ -113,7 +113,7 @@ class LawLimits(Settings):
         "share of the friction's work that may be missing throughout a slide: 18 degrees of lag",
         low=0.0,
         high=1.0,
-        tuned=ALIKE + "0.001667 to 1",
+        tuned=VARIED + "0.01667 to 0.15",
     )
 
 
@@ -122,13 +122,13 @@ class SoftnessLimits(Settings):
     """The most that a world may declare of its softness: beyond it anything could hide."""
 
     sinking: float = setting(
-        0.05, "m", "depth to which contacts may sink", low=0.0, tuned=ALIKE + "0.001667 to 1.5"
+        0.05, "m", "depth to which contacts may sink", low=0.0, tuned=VARIED + "0.001667 to 150"
     )
     creep: float = setting(
-        0.1, "m/s", "speed at which loaded contacts may creep", low=0.0, tuned=ALIKE + "0.003333 to 3"
+        0.1, "m/s", "speed at which loaded contacts may creep", low=0.0, tuned=VARIED + "0.003333 to 300"
     )
     stopping: float = setting(
-        0.1, "m", "way on which a sliding contact may be stopped", low=0.0, tuned=ALIKE + "0.003333 to 3"
+        0.1, "m", "way on which a sliding contact may be stopped", low=0.0, tuned=VARIED + "0.0003333 to 300"
     )
     settling: float = setting(
         0.1,
@@ -143,7 +143,7 @@ class SoftnessLimits(Settings):
 class RecordLimits(Settings):
     """Limits of what a log says of itself, before any law is judged."""
 
-    least_rows: int = setting(4, "-", "rows without which no log is lawful", low=2, tuned=ALIKE + "2 to 24")
+    least_rows: int = setting(4, "-", "rows without which no log is lawful", low=2, tuned=VARIED + "4 to 8")
     missing_step: float = setting(
         5.5, "dt", "step of the clock from which rows are lost", low=1.0, tuned=VARIED + "1.833 to 16.5"
     )
@@ -162,35 +162,33 @@ class RecordLimits(Settings):
         "dt",
         "difference of the declared step from that of the time stamps that is a contradiction",
         low=0.0,
-        tuned=ALIKE + "0.0006667 to 0.6",
+        tuned=VARIED + "0.006667 to 0.02",
     )
     same_mass: float = setting(
         1e-3,
         "-",
         "share by which a recording's mass may differ from that of the robot of its name",
         low=0.0,
-        tuned=ALIKE + "3.333e-05 to 0.03",
+        tuned=VARIED + "0.001 to 0.03",
     )
     unit_length: float = setting(
         0.02,
         "-",
         "difference of a normal's squared length from one that makes it no direction",
         low=0.0,
-        tuned=ALIKE + "0.0006667 to 0.6",
+        tuned=VARIED + "0.02 to 0.06",
     )
     unit_quaternion: float = setting(
-        1e-3, "-", "difference of a quaternion's length from one that makes it none", low=0.0
-    )
+        1e-3, "-", "difference of a quaternion's length from one that makes it none", low=0.0, tuned=VARIED + "3.333e-05 to 3")
     fastest_gap: float = setting(
         5.0,
         "m/s",
         "rate of a gap beyond which a foot passes an edge and tells nothing of the clock",
         low=0.0,
-        tuned=ALIKE + "0.1667 to 150",
+        tuned=ALIKE + "0.001667 to 1.5e+04",
     )
     creep: float = setting(
-        0.1, "m/s", "most that is allowed of the creep a world declares, whatever a row's own is", low=0.0
-    )
+        0.1, "m/s", "most that is allowed of the creep a world declares, whatever a row's own is", low=0.0, tuned=VARIED + "0.03333 to 0.3")
     deep: float = setting(
         5e-3,
         "m",
@@ -206,7 +204,7 @@ class RecordLimits(Settings):
         "rad/s",
         "joint speed below which dry friction may be anything up to its size",
         low=0.0,
-        tuned=ALIKE + "0.001667 to 1.5",
+        tuned=VARIED + "1.667e-05 to 1.5",
     )
 
 
@@ -236,7 +234,7 @@ class EpisodeLimits(Settings):
         tuned=VARIED + "0.75 to 0.75",
     )
     at_rest: float = setting(
-        1e-6, "m/s, rad/s", "speed below which nothing has moved", low=0.0, tuned=ALIKE + "3.333e-08 to 3e-05"
+        1e-6, "m/s, rad/s", "speed below which nothing has moved", low=0.0, tuned=VARIED + "3.333e-08 to 0.0003"
     )
     known: float = setting(
         0.5,
@@ -251,21 +249,21 @@ class EpisodeLimits(Settings):
         "m v",
         "impulse up to which the largest force is the blow of a landing",
         low=0.0,
-        tuned=ALIKE + "0.06667 to 60",
+        tuned=VARIED + "2 to 2",
     )
     consistent: float = setting(
         0.03,
         "m g",
         "mean difference up to which joint torques and forces agree",
         low=0.0,
-        tuned=ALIKE + "0.001 to 0.9",
+        tuned=ALIKE + "1e-05 to 90",
     )
     sideways: float = setting(
         0.05,
         "-",
         "share of the squared mismatch along the normal of one that lies across it",
         low=0.0,
-        tuned=ALIKE + "0.001667 to 1.5",
+        tuned=ALIKE + "1.667e-05 to 150",
     )
     amiss: float = setting(
         0.01,

@@ -17,48 +17,48 @@ class FitLimits(Settings):
         "-",
         "scatter of directions (one less their mean resultant) that is more than one place",
         low=0.0,
-        tuned=ALIKE + "0.0006667 to 0.6",
+        tuned=VARIED + "6.667e-06 to 0.06",
     )
     loaded: float = setting(
         0.005,
         "m g",
         "normal force below which the use of friction is noise",
         low=0.0,
-        tuned=ALIKE + "0.0001667 to 0.15",
+        tuned=VARIED + "0.005 to 0.15",
     )
     outside: float = setting(
-        1.01, "-", "use of the cone from which a force is outside it", low=0.0, tuned=ALIKE + "1 to 1.3"
+        1.01, "-", "use of the cone from which a force is outside it", low=0.0, tuned=VARIED + "1 to 1.03"
     )
     corner: float = setting(
         1.01,
         "-",
         "reach over a pyramid's corner up to which forces may fill it",
         low=0.0,
-        tuned=ALIKE + "1 to 1.3",
+        tuned=VARIED + "1.003 to 31",
     )
     edge_high: float = setting(
         1.005,
         "-",
         "distance of forces from the axis, over that of the edge, up to which they are on it",
         low=0.0,
-        tuned=ALIKE + "1 to 1.15",
+        tuned=VARIED + "1.005 to 1.015",
     )
     edge_low: float = setting(
         0.98,
         "-",
         "distance of forces from the axis, over that of the edge, from which they are on it",
         low=0.0,
-        tuned=ALIKE + "0.4 to 0.9993",
+        tuned=VARIED + "0.98 to 0.9933",
     )
     phase_step: float = setting(
         0.25,
         "deg",
         "step between the turns of a pyramid that are tried",
         low=1e-3,
-        tuned=ALIKE + "0.008333 to 7.5",
+        tuned=VARIED + "0.001 to 0.75",
     )
     least_points: int = setting(
-        3, "-", "forces outside the cone without which no pyramid is fitted", low=1, tuned=ALIKE + "1 to 23"
+        3, "-", "forces outside the cone without which no pyramid is fitted", low=1, tuned=VARIED + "1 to 7"
     )
 
 
@@ -74,7 +74,7 @@ class BodyLimits(Settings):
         "m",
         "gap up to which the lowest foot touches the ground",
         low=0.0,
-        tuned=ALIKE + "3.333e-05 to 0.03",
+        tuned=VARIED + "0.0003333 to 0.03",
     )
     mass_time: float = setting(
         0.2,
@@ -89,7 +89,7 @@ class BodyLimits(Settings):
         "share of the mean missing force that is vertical where the mass is wrong",
         low=0.0,
         high=1.0,
-        tuned=ALIKE + "0 to 0.9967",
+        tuned=VARIED + "0.9 to 0.9967",
     )
     mass_spread: float = setting(
         0.6,
@@ -99,7 +99,7 @@ class BodyLimits(Settings):
         tuned=VARIED + "0.2 to 18",
     )
     held_rows: int = setting(
-        5, "-", "repeated rows from which a state is held", low=1, tuned=ALIKE + "1 to 25"
+        5, "-", "repeated rows from which a state is held", low=1, tuned=VARIED + "4 to 9"
     )
     teleport_share: float = setting(
         0.8,
@@ -122,7 +122,7 @@ class BodyLimits(Settings):
         "share of the squared unexplained force that two rows have in a jump",
         low=0.0,
         high=1.0,
-        tuned=ALIKE + "0 to 0.9967",
+        tuned=VARIED + "0.7 to 1",
     )
     jump_logged: float = setting(
         0.5,
@@ -138,25 +138,24 @@ class ContactLimits(Settings):
     """Limits of symptoms of contact itself."""
 
     starts_deepest: float = setting(
-        0.99, "-", "depth of the first row over the deepest in a log that starts in the ground", low=0.0
-    )
-    starts_left: float = setting(0.5, "-", "depth of the last row over the deepest in such a log", low=0.0)
+        0.99, "-", "depth of the first row over the deepest in a log that starts in the ground", low=0.0, tuned=VARIED + "0.7 to 0.9967")
+    starts_left: float = setting(0.5, "-", "depth of the last row over the deepest in such a log", low=0.0, tuned=VARIED + "0.5 to 0.5")
     excess: float = setting(
         1.001,
         "-",
         "friction needed over the ground's from which it is too much",
         low=0.0,
-        tuned=ALIKE + "1 to 1.03",
+        tuned=VARIED + "1 to 1.003",
     )
     air_gap: float = setting(
-        0.001, "m", "gap from which a contact is in the air", low=0.0, tuned=ALIKE + "3.333e-05 to 0.03"
+        0.001, "m", "gap from which a contact is in the air", low=0.0, tuned=VARIED + "3.333e-07 to 0.003"
     )
     air_normal: float = setting(
         0.005,
         "m g",
         "normal force up to which a contact in the air carries nothing",
         low=0.0,
-        tuned=ALIKE + "0.0001667 to 0.15",
+        tuned=VARIED + "0.001667 to 0.15",
     )
     air_share: float = setting(
         0.5,
@@ -164,7 +163,7 @@ class ContactLimits(Settings):
         "share of the rows with friction in the air",
         low=0.0,
         high=1.0,
-        tuned=ALIKE + "0.01667 to 1",
+        tuned=VARIED + "0.1667 to 0.5",
     )
     push_off_depth: float = setting(
         0.001,
@@ -174,7 +173,7 @@ class ContactLimits(Settings):
         tuned=VARIED + "3.333e-05 to 0.003",
     )
     push_off_work: float = setting(
-        0.0002, "m g m", "work that such a foot wins", low=0.0, tuned=ALIKE + "6.667e-06 to 0.006"
+        0.0002, "m g m", "work that such a foot wins", low=0.0, tuned=VARIED + "6.667e-08 to 0.006"
     )
     push_off_speed: float = setting(
         0.05, "m/s", "speed at which such a foot leaves", low=0.0, tuned=VARIED + "0.001667 to 0.15"
@@ -184,7 +183,7 @@ class ContactLimits(Settings):
         "-",
         "normal force over its largest, below which a foot that chatters is free",
         low=0.0,
-        tuned=ALIKE + "0.003333 to 3",
+        tuned=VARIED + "3.333e-05 to 0.3",
     )
     skating_way: float = setting(
         0.002, "m", "way of a foot that skates", low=0.0, tuned=VARIED + "6.667e-05 to 0.006"
@@ -192,7 +191,7 @@ class ContactLimits(Settings):
     skating_share: float = setting(
         0.3, "-", "share of that way that is gone while free", low=0.0, high=1.0, tuned=VARIED + "0.01 to 0.3"
     )
-    blow_rows: int = setting(6, "-", "rows up to which a blow is one step's", low=1, tuned=ALIKE + "1 to 26")
+    blow_rows: int = setting(6, "-", "rows up to which a blow is one step's", low=1, tuned=VARIED + "2 to 26")
 
 
 @dataclass(frozen=True)
@@ -204,7 +203,7 @@ class MeasuredLimits(Settings):
         "rad, m",
         "distance from the end of a joint's range at which it is at its stop",
         low=0.0,
-        tuned=ALIKE + "0.0003333 to 0.3",
+        tuned=VARIED + "3.333e-06 to 0.3",
     )
     stop_share: float = setting(
         0.3,
@@ -212,7 +211,7 @@ class MeasuredLimits(Settings):
         "share of the rows in which a joint is at its stop",
         low=0.0,
         high=1.0,
-        tuned=ALIKE + "0.01 to 1",
+        tuned=ALIKE + "0.0001 to 1",
     )
     flat: float = setting(
         0.01,
@@ -245,7 +244,7 @@ class MeasuredLimits(Settings):
         "share of the other feet's mismatch that may be left by the same turn",
         low=0.0,
         high=1.0,
-        tuned=ALIKE + "0.003333 to 1",
+        tuned=ALIKE + "3.333e-05 to 1",
     )
     mirror_share: float = setting(
         0.9,
@@ -253,18 +252,17 @@ class MeasuredLimits(Settings):
         "share of the mismatch that a mirror explains",
         low=0.0,
         high=1.0,
-        tuned=ALIKE + "0 to 0.9967",
+        tuned=ALIKE + "0 to 1",
     )
     reversed_pull: float = setting(
-        0.05, "m g", "mean pull at all contacts together from which forces are reversed where joint torques are not known", low=0.0
-    )
+        0.05, "m g", "mean pull at all contacts together from which forces are reversed where joint torques are not known", low=0.0, tuned=VARIED + "1.667e-05 to 0.15")
     reversed_share: float = setting(
         0.9,
         "-",
         "share of the mismatch that the other sign explains",
         low=0.0,
         high=1.0,
-        tuned=ALIKE + "0 to 0.9967",
+        tuned=ALIKE + "0 to 1",
     )
     scale_least: float = setting(
         0.02, "-", "least factor of forces that is a scale", low=0.0, tuned=VARIED + "0.0006667 to 0.06"
@@ -286,10 +284,10 @@ class MeasuredLimits(Settings):
         "share of the mismatch that a constant explains",
         low=0.0,
         high=1.0,
-        tuned=ALIKE + "0 to 0.9967",
+        tuned=ALIKE + "0 to 1",
     )
     bias_air: float = setting(
-        0.03, "m g", "force below which a foot is in the air", low=0.0, tuned=ALIKE + "0.001 to 0.9"
+        0.03, "m g", "force below which a foot is in the air", low=0.0, tuned=ALIKE + "1e-05 to 90"
     )
     bias_flies: float = setting(
         0.1,
@@ -297,7 +295,7 @@ class MeasuredLimits(Settings):
         "share of the rows in the air from which a constant is told from a factor",
         low=0.0,
         high=1.0,
-        tuned=ALIKE + "0.003333 to 1",
+        tuned=ALIKE + "3.333e-05 to 1",
     )
     delay_most: float = setting(
         0.08, "s", "largest shift in time that is tried", low=0.0, tuned=VARIED + "0.02667 to 2.4"
@@ -317,7 +315,7 @@ class MeasuredLimits(Settings):
         "share of the mismatch that another foot's force explains",
         low=0.0,
         high=1.0,
-        tuned=ALIKE + "0 to 0.9967",
+        tuned=ALIKE + "0 to 1",
     )
     dropout_load: float = setting(
         0.04, "m g", "true force from which a foot carries", low=0.0, tuned=VARIED + "0.001333 to 0.12"
@@ -343,7 +341,7 @@ class MeasuredLimits(Settings):
         "m",
         "median gap up to which a frozen force is that of a foot on the ground",
         low=0.0,
-        tuned=ALIKE + "3.333e-05 to 0.03",
+        tuned=VARIED + "3.333e-07 to 0.03",
     )
     clipped_share: float = setting(
         0.3, "-", "share of the rows at the largest value", low=0.0, high=1.0, tuned=VARIED + "0.01 to 0.9"
@@ -353,13 +351,13 @@ class MeasuredLimits(Settings):
         "m g",
         "true force below a clipped one that rounding and smoothing allow",
         low=0.0,
-        tuned=ALIKE + "0.0003333 to 0.3",
+        tuned=ALIKE + "3.333e-06 to 30",
     )
     phantom_gap: float = setting(
-        0.001, "m", "gap from which a foot is in the air", low=0.0, tuned=ALIKE + "3.333e-05 to 0.03"
+        0.001, "m", "gap from which a foot is in the air", low=0.0, tuned=VARIED + "3.333e-07 to 0.03"
     )
     phantom_true: float = setting(
-        0.03, "m g", "true force below which a leg carries nothing", low=0.0, tuned=ALIKE + "0.001 to 0.9"
+        0.03, "m g", "true force below which a leg carries nothing", low=0.0, tuned=VARIED + "0.001 to 90"
     )
     phantom_air: float = setting(
         0.5, "-", "share of the rows in the air", low=0.0, high=1.0, tuned=VARIED + "0.5 to 0.5"
@@ -370,7 +368,7 @@ class MeasuredLimits(Settings):
         "share of those rows in which the leg carries nothing",
         low=0.0,
         high=1.0,
-        tuned=ALIKE + "0.02667 to 1",
+        tuned=ALIKE + "0.0002667 to 1",
     )
     dead_share: float = setting(
         0.9,
