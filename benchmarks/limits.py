@@ -119,7 +119,7 @@ class Varied:
 
 
 def cases(runs: int, clean: int, keep: Path | None) -> list[Case | Verdict]:
-    """Return made cases, logs with faults, so many of each kind, and clean ones; all that verdicts get right."""
+    """Return made cases, logs with so many faults of each kind, and clean ones: all that are judged right."""
     logs = [_kept(run, keep) for run in clean_runs(max(clean, 20))]
     names = [run.name for run in clean_runs(max(clean, 20))]
     out: list[Case | Verdict] = list(made_cases(logs.__getitem__))

@@ -51,7 +51,9 @@ def _pauses() -> Iterator[Verdict]:
             made.gaps[part] = gap
             made.forces[part] = 0.0
         how = obeyed if right else asked
-        yield how(f"no foot is asked for {rows} ms at a gap of {1e3 * gap:g} mm", why, made.log(), "no forces")
+        yield how(
+            f"no foot is asked for {rows} ms at a gap of {1e3 * gap:g} mm", why, made.log(), "no forces"
+        )
 
 
 def _impossible() -> Iterator[Verdict]:
@@ -97,7 +99,9 @@ def _answers() -> Iterator[Verdict]:
     yield asked("a turn and as much that is none", why, mixed.log(), "not as commanded")
     scaled = commanded()
     scaled.forces = 1.4 * scaled.more["forces_commanded"] @ rotation_about(np.array([0.0, 1.0, 0.0]), 5e-3).T
-    yield asked("1.4 times the command", "a wrong gain, and 0.3 deg of a mount", scaled.log(), "not as commanded")
+    yield asked(
+        "1.4 times the command", "a wrong gain, and 0.3 deg of a mount", scaled.log(), "not as commanded"
+    )
 
 
 def _endings() -> Iterator[Verdict]:
@@ -133,5 +137,3 @@ def _quaternions() -> Iterator[Verdict]:
     printed = Log({**log.arrays, "q": q}, log.facts)
     why = "a quaternion printed to four digits has a length of one to 1e-4"
     yield Verdict("it lies, by a printed quaternion", why, partial(_attained, printed, False))
-
-

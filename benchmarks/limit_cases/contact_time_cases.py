@@ -19,7 +19,9 @@ PEAK, LATE = 100.0, 0.015
 
 def contact_time_cases() -> Iterator[Verdict]:
     """Yield the cases of contact times."""
-    yield _told("a trot whose feet shake", "a foot of 60 g at 3 g in its swing: 3 % of its load", 0.5, 0.6, 0.03)
+    yield _told(
+        "a trot whose feet shake", "a foot of 60 g at 3 g in its swing: 3 % of its load", 0.5, 0.6, 0.03
+    )
     yield _told("a walk", "three feet of four carry: a quarter of the time in the air", 0.5, 0.75, 0.02)
     yield _told("a run", "period 0.25 s, a third of it on the ground: quick quadrupeds", 0.25, 0.34, 0.01)
     yield _told("a noisy trot", "a cell of 5 % noise", 0.5, 0.5, 0.05, shaking=False)
@@ -68,9 +70,7 @@ def _count(strides: int, foot: FootTimes) -> bool:
     return len(foot.strides) == strides
 
 
-def _told(
-    name: str, why: str, period: float, duty: float, noise: float, shaking: bool = True
-) -> Verdict:
+def _told(name: str, why: str, period: float, duty: float, noise: float, shaking: bool = True) -> Verdict:
     """Return the case of steps, each of whose touchdowns and lift-offs should be found in time."""
     rng, time = np.random.default_rng(3), np.arange(0.0, 8.0, 2.5e-3)
     reading = _steps(time, period, duty)
@@ -95,8 +95,8 @@ def _steps(time: FloatArray, period: float, duty: float) -> FloatArray:
 
 
 def _log(reading: FloatArray, time: FloatArray | None = None) -> Log:
-    time = 2.5e-3 * np.arange(len(reading)) if time is None else time
-    return Log({"time": time, "foot_sensors": reading[:, None]}, {"feet": ["foot"]})
+    stamps = 2.5e-3 * np.arange(len(reading)) if time is None else time
+    return Log({"time": stamps, "foot_sensors": reading[:, None]}, {"feet": ["foot"]})
 
 
 def _bounces() -> Log:

@@ -36,7 +36,9 @@ def friction_cases() -> Iterator[Verdict]:
     spike = ((1.0, 0.5, 0.0), (0.001, 2.0, 0.0), (1.0, 0.5, 0.0))
     yield _told("a spike", "one row in two thousand with a bit flipped", spike, ((0.5, np.inf),), noise=0.0)
     slides = ((1.0, 0.6, 0.2), *((0.03, 0.2, 0.2), (0.05, 0.1, 0.0)) * 8)
-    yield _told("short slides on ice", "feet slide for 30 ms before they hold", slides, ((0.6, 0.6), (0.2, 0.2)))
+    yield _told(
+        "short slides on ice", "feet slide for 30 ms before they hold", slides, ((0.6, 0.6), (0.2, 0.2))
+    )
     light = _made(((1.0, 0.4, 0.0),), 0.0)
     part = slice(300, 600)
     rng = np.random.default_rng(8)

@@ -38,14 +38,14 @@ class Made:
         self, rows: int, *, dt: float = DT, said: float | None = None, mass: float = MASS, mu: float = MU,
         feet: int = 4, **facts: Any,
     ) -> None:  # fmt: skip
-        self.time: FloatArray = dt * np.arange(rows)
+        self.time: FloatArray = dt * np.arange(rows, dtype=np.float64)
         self.weight = mass * GRAVITY
         self.forces: FloatArray = np.zeros((rows, feet, 3))
         sway = 1e-3 * np.sin(2.0 * np.pi * 1.3 * self.time[:, None] + np.arange(feet))
         self.forces[..., 2] = self.weight / feet * (1.0 + sway)
         self.velocities: FloatArray = np.zeros((rows, feet, 3))
         self.gaps: FloatArray = np.zeros((rows, feet))
-        self.mu: FloatArray = np.full(rows, mu)
+        self.mu: FloatArray = np.full(rows, mu, dtype=np.float64)
         self.more: dict[str, Any] = {}
         names = [f"foot {k}" for k in range(feet)]
         step = dt if said is None else said

@@ -187,5 +187,3 @@ def _skates(made: Made) -> None:
 def _leans(made: Made) -> None:
     made.forces[200:500, [0, 3], 2] *= 1.6
     made.forces[200:500, [1, 2], 2] *= 0.4
-
-

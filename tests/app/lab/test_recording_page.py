@@ -140,6 +140,6 @@ def test_a_plan_from_a_file_is_shown(tmp_path: Path) -> None:
 
 
 def test_a_robot_whose_configurations_the_log_has_not_is_not_drawn(log: sf.Log) -> None:
-    shown = RecordedMotion(log, sf.load_robot("hopper"))
+    shown = RecordedMotion(log, sf.load_robot("bolt"))
     assert shown.robot is None
     assert any("are not those of" in note for note in shown.notes)

@@ -52,7 +52,9 @@ def test_limits_are_varied_away_from_their_value_on_their_own_scale() -> None:
             assert tried == sorted(tried), one.name
             assert tried[0] > 0.0, one.name
     assert list(values_away("laws.cone", 1.001, False, True)) == pytest.approx([1.003, 1.03, 1.3, 4.0])
-    assert list(values_away("laws.pull", 1e-3, False, False)) == pytest.approx([1e-3 / 3.0, 1e-3 / 30.0, 1e-3 / 300.0, 1e-3 / 3000.0])
+    assert list(values_away("laws.pull", 1e-3, False, False)) == pytest.approx(
+        [1e-3 / 3.0, 1e-3 / 30.0, 1e-3 / 300.0, 1e-3 / 3000.0]
+    )
 
 
 @cache
@@ -70,7 +72,9 @@ def test_every_made_case_is_right_and_says_where_its_size_is_from() -> None:
 def test_sources_that_name_the_command_name_limits_that_exist() -> None:
     known = {one.name for one in LIMITS.described()} | {one.name for one in fields(LIMITS)}
     sources = [one.info.source for one in LIMITS.described()]
-    commands = [found for source in sources if (found := re.match(r"`python -m benchmarks\.limits ?([^`]*)`", source))]
+    commands = [
+        found for source in sources if (found := re.match(r"`python -m benchmarks\.limits ?([^`]*)`", source))
+    ]
     assert len(commands) > 100
     assert {name for command in commands for name in command[1].split()} <= known
     assert not changed_needlessly()

@@ -270,7 +270,11 @@ class FrictionLimits(Settings):
         tuned=VARIED + "0.985 to 0.9983",
     )
     window: float = setting(
-        0.1, "s", "time in which the ground is taken to be the same", low=1e-6, tuned=VARIED + "0.03333 to 0.3"
+        0.1,
+        "s",
+        "time in which the ground is taken to be the same",
+        low=1e-6,
+        tuned=VARIED + "0.03333 to 0.3",
     )
     change: float = setting(
         0.15,
@@ -280,7 +284,11 @@ class FrictionLimits(Settings):
         tuned=VARIED + "0.05 to 0.45",
     )
     least_time: float = setting(
-        0.01, "s", "time of friction used that contradicts slides", low=0.0, tuned=VARIED + "3.333e-06 to 0.03"
+        0.01,
+        "s",
+        "time of friction used that contradicts slides",
+        low=0.0,
+        tuned=VARIED + "3.333e-06 to 0.03",
     )
     least_rows: int = setting(
         3, "-", "rows within slides that contradict the friction used", low=1, tuned=ALIKE + "1 to 23"
@@ -324,7 +332,12 @@ class CommandLimits(Settings):
         tuned=VARIED + "0.02 to 0.06",
     )
     torque_mismatch: float = setting(
-        0.05, "-", "mean difference of applied and commanded torques over the largest commanded", low=0.0, tuned=VARIED + "0.05 to 0.15")
+        0.05,
+        "-",
+        "mean difference of applied and commanded torques over the largest commanded",
+        low=0.0,
+        tuned=VARIED + "0.05 to 0.15",
+    )
     explained: float = setting(
         0.8,
         "-",

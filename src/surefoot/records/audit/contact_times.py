@@ -96,7 +96,9 @@ def contact_times(log: Log, limits: AuditLimits = LIMITS) -> ContactTimes:
     time, channel, readings = _load_readings(log)
     names = [str(f) for f in log.facts.get("feet", ())] or [f"foot {k}" for k in range(readings.shape[1])]
     contacts = np.zeros(readings.shape, dtype=bool)
-    feet = tuple(_foot(name, time, readings[:, k], contacts[:, k], limits.times) for k, name in enumerate(names))
+    feet = tuple(
+        _foot(name, time, readings[:, k], contacts[:, k], limits.times) for k, name in enumerate(names)
+    )
     return ContactTimes(channel, feet, contacts)
 
 

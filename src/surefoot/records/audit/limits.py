@@ -179,7 +179,12 @@ class RecordLimits(Settings):
         tuned=VARIED + "0.02 to 0.06",
     )
     unit_quaternion: float = setting(
-        1e-3, "-", "difference of a quaternion's length from one that makes it none", low=0.0, tuned=VARIED + "3.333e-05 to 3")
+        1e-3,
+        "-",
+        "difference of a quaternion's length from one that makes it none",
+        low=0.0,
+        tuned=VARIED + "3.333e-05 to 3",
+    )
     fastest_gap: float = setting(
         5.0,
         "m/s",
@@ -188,7 +193,12 @@ class RecordLimits(Settings):
         tuned=ALIKE + "0.001667 to 1.5e+04",
     )
     creep: float = setting(
-        0.1, "m/s", "most that is allowed of the creep a world declares, whatever a row's own is", low=0.0, tuned=VARIED + "0.03333 to 0.3")
+        0.1,
+        "m/s",
+        "most that is allowed of the creep a world declares, whatever a row's own is",
+        low=0.0,
+        tuned=VARIED + "0.03333 to 0.3",
+    )
     deep: float = setting(
         5e-3,
         "m",
@@ -234,7 +244,11 @@ class EpisodeLimits(Settings):
         tuned=VARIED + "0.75 to 0.75",
     )
     at_rest: float = setting(
-        1e-6, "m/s, rad/s", "speed below which nothing has moved", low=0.0, tuned=VARIED + "3.333e-08 to 0.0003"
+        1e-6,
+        "m/s, rad/s",
+        "speed below which nothing has moved",
+        low=0.0,
+        tuned=VARIED + "3.333e-08 to 0.0003",
     )
     known: float = setting(
         0.5,

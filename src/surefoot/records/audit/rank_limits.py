@@ -87,13 +87,23 @@ class RankLimits(Settings):
     sinking: float = setting(
         0.95, "-", "strength of sinking", low=0.0, high=1.0, tuned=VARIED + "0.944 to 0.956"
     )
-    starts_in_the_ground: float = setting(0.998, "-", "strength of starts in the ground", low=0.0, high=1.0, tuned=VARIED + "0.992 to 1")
-    deep_contact: float = setting(0.9925, "-", "strength of deep contact", low=0.0, high=1.0, tuned=ALIKE + "0 to 1")
+    starts_in_the_ground: float = setting(
+        0.998, "-", "strength of starts in the ground", low=0.0, high=1.0, tuned=VARIED + "0.992 to 1"
+    )
+    deep_contact: float = setting(
+        0.9925, "-", "strength of deep contact", low=0.0, high=1.0, tuned=ALIKE + "0 to 1"
+    )
     push_off_penetration: float = setting(
         0.97, "-", "strength of push off penetration", low=0.0, high=1.0, tuned=VARIED + "0.97 to 1"
     )
     energy_gain: float = setting(
-        0.994, "-", "strength of energy gain where nothing else is amiss", low=0.0, high=1.0, tuned=ALIKE + "0 to 1")
+        0.994,
+        "-",
+        "strength of energy gain where nothing else is amiss",
+        low=0.0,
+        high=1.0,
+        tuned=ALIKE + "0 to 1",
+    )
     energy_doubtful: float = setting(
         0.965, "-", "strength of energy gain otherwise", low=0.0, high=1.0, tuned=VARIED + "0 to 0.965"
     )
@@ -111,11 +121,15 @@ class RankLimits(Settings):
         high=1.0,
         tuned=VARIED + "0.893 to 0.993",
     )
-    chatter_lawful: float = setting(0.89, "-", "strength of chatter that breaks none", low=0.0, high=1.0, tuned=VARIED + "0.79 to 0.896")
+    chatter_lawful: float = setting(
+        0.89, "-", "strength of chatter that breaks none", low=0.0, high=1.0, tuned=VARIED + "0.79 to 0.896"
+    )
     skating: float = setting(
         0.995, "-", "strength of skating that breaks a law", low=0.0, high=1.0, tuned=VARIED + "0.995 to 1"
     )
-    skating_lawful: float = setting(0.9, "-", "strength of skating that breaks none", low=0.0, high=1.0, tuned=VARIED + "0 to 0.906")
+    skating_lawful: float = setting(
+        0.9, "-", "strength of skating that breaks none", low=0.0, high=1.0, tuned=VARIED + "0 to 0.906"
+    )
     one_step_impulse: float = setting(
         0.975, "-", "strength of one step impulse", low=0.0, high=1.0, tuned=VARIED + "0.875 to 1"
     )
@@ -127,7 +141,9 @@ class RankLimits(Settings):
         high=1.0,
         tuned=ALIKE + "0 to 1",
     )
-    asymmetry_doubtful: float = setting(0.6, "-", "strength of solver asymmetry otherwise", low=0.0, high=1.0, tuned=VARIED + "0 to 0.7")
+    asymmetry_doubtful: float = setting(
+        0.6, "-", "strength of solver asymmetry otherwise", low=0.0, high=1.0, tuned=VARIED + "0 to 0.7"
+    )
     turn_of_many: float = setting(
         0.006,
         "-",
@@ -146,7 +162,13 @@ class RankLimits(Settings):
     )
     mirror: float = setting(0.005, "-", "what a mirror loses", low=0.0, high=1.0, tuned=VARIED + "0 to 0.011")
     reversed_pull: float = setting(
-        0.98, "-", "strength of reversed forces where joint torques are not known", low=0.0, high=1.0, tuned=VARIED + "0.974 to 1")
+        0.98,
+        "-",
+        "strength of reversed forces where joint torques are not known",
+        low=0.0,
+        high=1.0,
+        tuned=VARIED + "0.974 to 1",
+    )
     scale: float = setting(
         0.002, "-", "what a wrong scale loses", low=0.0, high=1.0, tuned=VARIED + "0 to 0.008"
     )

@@ -138,8 +138,15 @@ class ContactLimits(Settings):
     """Limits of symptoms of contact itself."""
 
     starts_deepest: float = setting(
-        0.99, "-", "depth of the first row over the deepest in a log that starts in the ground", low=0.0, tuned=VARIED + "0.7 to 0.9967")
-    starts_left: float = setting(0.5, "-", "depth of the last row over the deepest in such a log", low=0.0, tuned=VARIED + "0.5 to 0.5")
+        0.99,
+        "-",
+        "depth of the first row over the deepest in a log that starts in the ground",
+        low=0.0,
+        tuned=VARIED + "0.7 to 0.9967",
+    )
+    starts_left: float = setting(
+        0.5, "-", "depth of the last row over the deepest in such a log", low=0.0, tuned=VARIED + "0.5 to 0.5"
+    )
     excess: float = setting(
         1.001,
         "-",
@@ -255,7 +262,12 @@ class MeasuredLimits(Settings):
         tuned=ALIKE + "0 to 1",
     )
     reversed_pull: float = setting(
-        0.05, "m g", "mean pull at all contacts together from which forces are reversed where joint torques are not known", low=0.0, tuned=VARIED + "1.667e-05 to 0.15")
+        0.05,
+        "m g",
+        "mean pull at all contacts together from which forces are reversed where joint torques are not known",
+        low=0.0,
+        tuned=VARIED + "1.667e-05 to 0.15",
+    )
     reversed_share: float = setting(
         0.9,
         "-",
