@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from benchmarks.limit_cases.verdict import Verdict
 from benchmarks.limits import changed, limits_read, made_cases, values_away, vary
 from benchmarks.problems.logged_runs import clean_runs
 from surefoot.base.errors import ProblemError
@@ -90,11 +91,15 @@ def changed_needlessly() -> list[str]:
     return out
 
 
+@cache
+def cases_with_limits() -> list[tuple[Verdict, set[str]]]:
+    return [(case, limits_read(case)) for case in made_cases(clean_log)]
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("group", ["times", "walk", "stand", "motors", "estimate"])
 def test_the_choice_of_a_group_is_repeated_by_the_made_cases(group: str) -> None:
-    made = list(made_cases(clean_log))
     for one in LIMITS.described():
         if one.name.startswith(f"{group}."):
-            varied = vary(one.name, [case for case in made if one.name in limits_read(case)])
+            varied = vary(one.name, [case for case, read in cases_with_limits() if one.name in read])
             assert varied.decided, one.name
