@@ -259,7 +259,9 @@ class FrictionLimits(Settings):
         low=0.0,
         tuned=VARIED + "6.667e-06 to 0.02",
     )
-    bins: int = setting(2000, "-", "bins in which friction is counted", low=10, tuned=VARIED + "1980 to 2020")
+    bins: int = setting(
+        2000, "-", "bins in which friction is counted", low=10, tuned=VARIED + "666.7 to 6e+06"
+    )
     top: float = setting(4.0, "-", "friction of the last bin", low=0.1, tuned=VARIED + "1.333 to 12")
     share: float = setting(
         0.995,
