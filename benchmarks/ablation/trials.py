@@ -11,13 +11,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from benchmarks.ablation.comparing import Records
 from surefoot.base.errors import SurefootError
 
 ROOT = Path(__file__).resolve().parents[2]
 Tell = Callable[[str, int, int], None]
 """Told a line, and how many trials are done of how many."""
-Records = Sequence[Mapping[str, Any]]
-"""Of trials, see `benchmarks.ablation.walked.carry_out_task`."""
 
 
 @dataclass(frozen=True)

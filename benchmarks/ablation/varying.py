@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import importlib
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from benchmarks.ablation.comparing import Comparison, compare
+from benchmarks.ablation.comparing import Comparison, Records, compare
 from benchmarks.ablation.parts import CLASS_TASKS, USUAL_TASKS
 from benchmarks.ablation.trials import Change, Trials
 from surefoot.base.errors import ProblemError, unknown_name
@@ -119,16 +119,13 @@ def find_settings(name: str) -> tuple[Setting, ...]:
         For an unknown name, and a setting that is no number.
     """
     known = known_settings()
-    found = tuple(one for key, one in known.items() if key.startswith(f"{name}.") and not _text(one.value))
-    if not found and name not in known:
+    chosen = [one for key, one in known.items() if name in (key, key.partition(".")[0])]
+    if not chosen:
         raise ProblemError(unknown_name("setting", name, tuple(known)))
-    if not found and _text(known[name].value):
-        raise ProblemError(f"{name} is {known[name].value}: only numbers can be varied")
-    return found or (known[name],)
-
-
-def _text(value: Any) -> bool:
-    return not isinstance(value, bool | int | float | tuple)
+    found = tuple(one for one in chosen if isinstance(one.value, bool | int | float | tuple))
+    if not found:
+        raise ProblemError(f"{name} is {chosen[0].value}: only numbers can be varied")
+    return found
 
 
 def try_values(
@@ -158,10 +155,12 @@ def try_values(
     return sorted(found, key=lambda one: place(one.value))
 
 
-def _try(setting: Setting, value: Any, before: Any, trials: Trials, tasks: Sequence[str]) -> Tried:
+def _try(setting: Setting, value: Any, before: Records, trials: Trials, tasks: Sequence[str]) -> Tried:
+    def is_worse(task: str, after: Records) -> bool:
+        return compare(task, before, after).worse
+
     change = Change(f"{setting.name}={shown(value)}", changes={setting.name: value})
-    enough: Callable[[str, Any], bool] = lambda task, after: compare(task, before, after).worse  # noqa: E731
-    after = trials.of(change, tasks, enough)
+    after = trials.of(change, tasks, is_worse)
     compared = {one["task"] for one in after}
     return Tried(value, tuple(compare(task, before, after) for task in tasks if task in compared))
 

@@ -134,7 +134,7 @@ def _vary(
     record["settings"] = []
     for one in settings:
         found = try_values(one, values[one.name], trials, tasks[one.name], outwards=not given)
-        rows += [(f"{one.name}={shown(tried.value)}", c) for tried in found for c in tried.comparisons]
+        rows += [(f"{one.name}={shown(other.value)}", c) for other in found for c in other.comparisons]
         said = {"setting": one.name, "value": one.value, "verdict": verdict(one, found)}
         record["settings"].append(said)
 

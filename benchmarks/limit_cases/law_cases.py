@@ -9,6 +9,8 @@ import numpy as np
 from benchmarks.limit_cases.made import MU, Made
 from benchmarks.limit_cases.verdict import Verdict, audited, breaks, keeps, named
 from surefoot.base.arrays import FloatArray
+from surefoot.base.spatial import GRAVITY
+from surefoot.records.log import Log
 
 
 def law_cases() -> Iterator[Verdict]:
@@ -143,13 +145,10 @@ def _rebounds() -> Iterator[Verdict]:
         yield law(f"a ball of restitution {restitution:g}", why, ball(restitution, dt).log(), "restitution")
     coarse = ball(0.95, 2.5e-4)
     every = slice(None, None, 100)
-    log = coarse.log()
-    log = type(log)({name: np.array(a)[every] for name, a in log.arrays.items()}, {**log.facts, "dt": 0.025})
+    fine = coarse.log()
+    log = Log({name: np.array(a)[every] for name, a in fine.arrays.items()}, {**fine.facts, "dt": 0.025})
     why = "every hundredth row of a ball that bounces lawfully: the touches lie between rows of 25 ms"
     yield keeps("a ball in coarse rows", why, log, "restitution")
-    touched = Made(400)
-    touched.gaps[:] = 0.05
-    touched.forces[:] = 0.0
     made = ball(1.0, 2.5e-4)
     made.gaps += 1e-6 * np.random.default_rng(1).normal(size=made.gaps.shape)
     why = "gaps to a micrometre, as interferometers have them: still plain that velocities are those after"
@@ -158,7 +157,7 @@ def _rebounds() -> Iterator[Verdict]:
 
 def ball(restitution: float, dt: float) -> Made:
     """Return a ball of 1 kg that falls from 0.3 m, with the velocities after each row's impulse."""
-    g, z, v, rows = 9.80665, 0.3, 0.0, list[tuple[float, float, float]]()
+    g, z, v, rows = GRAVITY, 0.3, 0.0, list[tuple[float, float, float]]()
     for _ in range(round(1.5 / dt)):
         free = v - g * dt
         lands = z + dt * free < 0.0

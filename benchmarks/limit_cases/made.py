@@ -58,3 +58,13 @@ class Made:
             "gaps": self.gaps, "mu": self.mu, **self.more,
         }  # fmt: skip
         return Log(arrays, self.facts)
+
+
+def arrays_of(log: Log) -> dict[str, Any]:
+    """Return copies of a log's arrays, to be written to."""
+    return {name: np.array(array) for name, array in log.arrays.items()}
+
+
+def changed_log(clean: Log, arrays: dict[str, Any], **facts: Any) -> Log:
+    """Return a log with other arrays, and some other facts."""
+    return Log(arrays, {**clean.facts, **facts}, channels=clean.channels)

@@ -7,7 +7,8 @@ from functools import partial
 
 import numpy as np
 
-from benchmarks.limit_cases.verdict import CleanLogs, Verdict
+from benchmarks.limit_cases.made import arrays_of, changed_log
+from benchmarks.limit_cases.verdict import STAND, CleanLogs, Verdict
 from surefoot.base.arrays import FloatArray
 from surefoot.records.audit.limits import AuditLimits
 from surefoot.records.audit.summary.estimate_summary import estimate_errors, load_estimate
@@ -17,8 +18,6 @@ from surefoot.records.audit.summary.walk_summary import velocity_tracking
 from surefoot.records.log import Log
 
 DT = 2e-3
-STAND = 11
-"""Number of the clean run in which a Go2 stands in the rigid world."""
 
 
 def run_cases(logs: CleanLogs) -> Iterator[Verdict]:
@@ -57,11 +56,11 @@ def _displaced(log: Log, wrong: bool, limits: AuditLimits) -> bool:
 
 def _slid(stand: Log, way: float) -> Log:
     """Return a stand in which a foot goes so far over the ground [m], with the rest as it was."""
-    arrays = {name: np.array(array) for name, array in stand.arrays.items()}
+    arrays = arrays_of(stand)
     arrays["contact_velocities"][:, :, :2] = 0.0
     rows = slice(300, 400)
     arrays["contact_velocities"][rows, 0, 0] = way / (100 * float(stand.fact("dt")))
-    return Log(arrays, stand.facts, channels=stand.channels)
+    return changed_log(stand, arrays)
 
 
 def _standing(away: float, lean: float, height: float) -> Log:

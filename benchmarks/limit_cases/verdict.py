@@ -11,6 +11,8 @@ from surefoot.records.log import Log
 
 CleanLogs = Callable[[int], Log]
 """From a number to the log of that one of `clean_runs`; it must not be written to."""
+TROT, STAND = 10, 11
+"""Numbers of the clean runs in which a Go2 trots, and stands, in the rigid world."""
 
 
 @dataclass(frozen=True)

@@ -40,24 +40,24 @@ class MotorUse:
     beyond_curve_max: float
 
 
-def motor_use(log: Log, judged: AuditLimits = LIMITS) -> MotorUse | None:
+def motor_use(log: Log, limits: AuditLimits = LIMITS) -> MotorUse | None:
     """Return what a log says about the use of the motors; None for one that tells no limit of speeds."""
     if "speed_limits" not in log.facts or "v" not in log:
         return None
-    limits, effort = log.fact("speed_limits"), log.fact("effort_limits")
-    joints = len(limits)
-    if not joints or not np.isfinite(limits).any():
+    fastest, effort = log.fact("speed_limits"), log.fact("effort_limits")
+    joints = len(fastest)
+    if not joints or not np.isfinite(fastest).any():
         return None
     speed = np.asarray(log["v"])[:, -joints:]
-    use = np.abs(speed) / limits
+    use = np.abs(speed) / fastest
     asked = np.asarray(log["torques_commanded"] if "torques_commanded" in log else log["torques"])
     beyond = _beyond(log, asked, speed, effort)
     return MotorUse(
         str(log.facts.get("actuators", IDEAL)),
         float(use.max()),
         log.fact("joints")[int(use.max(axis=0).argmax())],
-        float(np.mean((use > judged.motors.over_speed).any(axis=1))),
-        float(np.mean((beyond > judged.motors.cut).any(axis=1))),
+        float(np.mean((use > limits.motors.over_speed).any(axis=1))),
+        float(np.mean((beyond > limits.motors.cut).any(axis=1))),
         float(beyond.max()),
     )
 
