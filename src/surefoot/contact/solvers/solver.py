@@ -96,6 +96,7 @@ SOLVERS: LazyTable[SolverFunction] = LazyTable(
         "newton": "surefoot.contact.solvers.newton:solve_newton",
         "nsgs": "surefoot.contact.solvers.nsgs:solve_nsgs",
         "admm": "surefoot.contact.solvers.admm:solve_admm",
+        "interior_point": "surefoot.contact.solvers.interior_point:solve_interior",
         "lemke": "surefoot.contact.solvers.lemke:solve_friction",
         "daqp": "surefoot.contact.solvers.daqp:solve_daqp",
     },

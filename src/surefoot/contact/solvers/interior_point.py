@@ -1,0 +1,299 @@
+"""Interior point on Coulomb's law itself: the De Saxcé shift is linearised in each Newton step, then held.
+
+With forces x and velocities y scaled so that every contact's cone is the second-order cone L, the law reads
+L ∋ x ⟂ y ∈ L, y = Y Yᵀ x + g + ||ȳ|| e_3, G = Y Yᵀ. A step of Nesterov and Todd's scaling, predictor and
+corrector, is one solve with I + Yᵀ P S⁻¹ Y (see `cone_pairs`): as large as the rank of G, the velocities of the
+bodies, however many contacts hold them.
+
+First the shift's derivative is in S: quadratic, from far away. It loses itself near an answer whose velocities
+may change without a force (a gap of 1e-12, an error of 1e-6). Then the shift is held at what was found, which
+leaves a convex program that has no such end: from a point of the first phase a few steps before its last, each
+takes about six iterations, and the fixed point of shifts (Acary and Cadoux) ends after one or two.
+
+Source: V. Acary, M. Brémond, O. Huber, "On solving contact problems with Coulomb friction: formulations and
+numerical comparisons", 2018; S. Mehrotra, SIOPT 2, 1992; V. Acary, F. Cadoux, C. Lemaréchal, J. Malick, ZAMM
+91(2), 2011 (the fixed point).
+
+Limits: dense, so for ranks up to some hundreds; no normal bounds, no bilateral contacts. It cannot begin at a
+border, so a warm start is only what it is compared with.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg
+
+from surefoot.base.arrays import BoolArray, FloatArray, IntArray
+from surefoot.base.kernels import working_time
+from surefoot.contact.problem.problem import ContactProblem
+from surefoot.contact.solution import Status
+from surefoot.contact.solvers import cone_pairs as pairs
+from surefoot.contact.solvers.solver import Answer, SolverSettings, nearest_to_zero, register
+from surefoot.contact.solvers.stopping import fill_measure, velocity_error
+
+MOST, MOST_HELD, MOST_SHIFTS = 60, 40, 12
+LEAST, AHEAD = 0.3, 10.0
+STARTS = (1.0, 3.0, 10.0, 0.3)
+"""Iterations with the shift linearised, with one held shift, and shifts that are held one after the other."""
+HOLD_FROM = 1e-5
+"""Velocity error from which on the shift is held."""
+SHORT, IDLE = 0.1, 3
+"""A step is short below this share of a whole one; so many short ones end a phase."""
+BEFORE = 1e-5
+"""Share of the first gap from which a program with a held shift begins."""
+TO_BORDER = 0.99
+"""Share of the way to the border that a step takes."""
+OFF_CENTRE = 1e-2
+"""Least centrality after a step."""
+REFINEMENTS = 1
+"""Corrections of a step by its own residual."""
+KNOWN, HELD = 1e-2, 0.3
+"""Velocity error below which the path leads near an answer; share of the tolerance to which a program with a
+held shift is solved."""
+HELPED = 0.5
+"""Share of the error that a new shift has to leave at most; else no further one is tried."""
+
+
+class Point(NamedTuple):
+    """Forces and velocities (n, 3) in the cone L, with their distances (n,) to its border."""
+
+    x: FloatArray
+    border_x: FloatArray
+    y: FloatArray
+    border_y: FloatArray
+
+
+@register("interior_point", bounds=False)
+def solve_interior(
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
+) -> Answer:
+    """Solve Coulomb's or the convex law; a warm start (n, 3) is returned where nothing better is found."""
+    end = working_time() + settings.max_time
+    forces = nearest_to_zero(problem) if warm_start is None else warm_start.reshape(-1, 3).copy()
+    active = (problem.normal_max > 0.0) & (problem.scales[1] > 0.0)
+    forces[~active] = nearest_to_zero(problem)[~active]
+    if not active.any():
+        return Answer(forces, 0, Status.STALLED)
+    most = MOST + MOST_SHIFTS * MOST_HELD if settings.max_iterations is None else settings.max_iterations
+    run = _Run(problem, active, forces[active], settings.tol, most, end)
+    run.go()
+    forces[active] = run.best
+    stop = Status.MAX_TIME if working_time() > end else Status.STALLED
+    return Answer(forces, run.done, Status.MAX_ITERATIONS if run.done >= most else stop)
+
+
+class _Run:
+    """One solve: the scaled problem of the contacts that are on, and the best forces so far."""
+
+    def __init__(
+        self, problem: ContactProblem, active: BoolArray, forces: FloatArray, tol: float, most: int,
+        end: float,
+    ) -> None:  # fmt: skip
+        self.tol, self.most, self.end, self.done = tol, most, end, 0
+        self.coulomb = problem.law.shift != 0.0
+        rows = np.repeat(active, 3)
+        self.mu, self.free = np.ascontiguousarray(problem.mu[active]), problem.g[rows]
+        n = len(self.mu)
+        # forces are x times it, the cone's y velocities times it: of mu = 0 the axis is left, and no row grows
+        self.scale = np.empty((n, 3))
+        self.scale[:, :2] = np.minimum(self.mu, 1.0)[:, None]
+        self.scale[:, 2] = 1.0 / np.maximum(self.mu, 1.0)
+        self.factor = _factor(problem, rows)
+        self.rows = np.ascontiguousarray(self.scale.reshape(-1, 1) * self.factor)
+        scales = np.ascontiguousarray(problem.scales[:, active])
+        weight = np.where(scales[0] > 0.0, scales[0], scales[1])
+        self.speed, self.force = scales[1], scales[1] / weight
+        self.energy = float(np.sum(scales[1] * self.force)) / n
+        self.measure = np.empty((n, 2))
+        fill_measure(scales, self.measure)
+        self.low, self.high = np.zeros(n), np.full(n, np.inf)
+        self.memory = _Memory(n, self.factor.shape[1])
+        self.path: list[tuple[float, Point]] = []
+        self.best, self.error, self.last = forces, math.inf, forces
+        self.error = self._error(forces, self._velocities(forces))
+
+    def go(self) -> None:
+        """Linearise the shift from one start after the other, and hold it after each as long as that helps."""
+        for start in STARTS if self.coulomb else STARTS[:1]:
+            self.path = []
+            first = self._start(start)
+            if self.coulomb and self._follow(first, None, MOST):
+                return
+            for _ in range(MOST_SHIFTS if self.coulomb else 1):
+                before = self.error
+                if self._follow(self._nearer(first), self._shift(), MOST_HELD):
+                    return
+                if self.done >= self.most or working_time() > self.end:
+                    return
+                if not self.error <= HELPED * before:
+                    break
+
+    def _start(self, size: float) -> Point:
+        """Return the point that begins afresh: every contact's speed, and the force that stops it."""
+        x, y = np.zeros(self.scale.shape), np.zeros(self.scale.shape)
+        x[:, 2], y[:, 2] = size * self.force, self.speed
+        return Point(x, x[:, 2].copy(), y, y[:, 2].copy())
+
+    def _nearer(self, first: Point) -> Point:
+        """Return the last point of the path that is far enough from the border to go on from."""
+        far = [point for gap, point in self.path if gap > BEFORE * self.energy]
+        return far[-1] if far and self.error < KNOWN else first
+
+    def _velocities(self, forces: FloatArray) -> FloatArray:
+        """Return u (n, 3) of forces (n, 3)."""
+        moved = self.factor @ (self.factor.T @ forces.ravel()) + self.free
+        return np.asarray(moved.reshape(-1, 3))
+
+    def _shift(self) -> FloatArray:
+        """Return ||ȳ|| (n,) at the best forces; zero for the convex law."""
+        if not self.coulomb:
+            return np.zeros(len(self.mu))
+        u = self._velocities(self.last)
+        return np.asarray(self.scale[:, 0] * np.sqrt(u[:, 0] ** 2 + u[:, 1] ** 2))
+
+    def _error(self, forces: FloatArray, u: FloatArray) -> float:
+        """Return the velocity error of forces with their velocities u (n, 3), and keep the best."""
+        error = velocity_error(
+            forces.ravel(), u.ravel(), self.mu, self.low, self.high, self.measure, not self.coulomb
+        )
+        if error < self.error:
+            self.best, self.error = forces, error
+        return error
+
+    def _held_error(self, forces: FloatArray, u: FloatArray, shift: FloatArray) -> float:
+        """Return the velocity error where the shift is held."""
+        lifted = u.copy()
+        lifted[:, 2] += shift / self.scale[:, 2]
+        return velocity_error(
+            forces.ravel(), lifted.ravel(), self.mu, self.low, self.high, self.measure, True
+        )
+
+    def _follow(self, point: Point, shift: FloatArray | None, most: int) -> bool:
+        """Follow the central path, the shift held or linearised (None); tell whether the problem is solved."""
+        short, share = 0, 1.0 if shift is None else 0.0
+        for _ in range(min(most, self.most - self.done)):
+            if working_time() > self.end:
+                break
+            gap = self.memory.scale(point, share)
+            forces = self.scale * point.x
+            u = self._velocities(forces)
+            self.last = forces
+            error = self._error(forces, u)
+            sure = gap <= self.tol * self.energy  # the convex law's energy gap is judged, too
+            if error <= self.tol and (self.coulomb or sure):
+                return True
+            if shift is None or not self.coulomb:
+                self.path.append((gap, point))
+            if shift is None and error <= HOLD_FROM:
+                break
+            if shift is not None and sure and self._held_error(forces, u, shift) <= HELD * self.tol:
+                break
+            lift = shift if shift is not None else np.sqrt(point.y[:, 0] ** 2 + point.y[:, 1] ** 2)
+            residual = point.y - self.scale * u
+            residual[:, 2] -= lift
+            ratio = float(np.max(np.abs(residual) / self.speed[:, None])) / (gap / self.energy)
+            length, after = self.memory.advance(self.rows, point, residual, gap, share, LEAST if ratio > AHEAD else 0.0)
+            self.done += 1
+            short = short + 1 if length < SHORT else 0
+            if after is None or short >= IDLE:
+                break
+            point = after
+        return False
+
+
+class _Memory:
+    """What an iteration works in: scalings, the matrix, and steps, for n contacts and a rank r."""
+
+    def __init__(self, n: int, r: int) -> None:
+        self.axes, self.scaled, self.weights = np.empty((n, 4)), np.empty((n, 3)), np.empty((n, 3, 3))
+        self.weighed, self.aim = np.empty((3 * n, r)), np.empty((n, 3))
+        self.none = np.zeros((n, 3))
+        self.diagonal = np.diag_indices(r)
+
+    def scale(self, point: Point, share: float) -> float:
+        """Fill the scalings of a point; return its gap, the mean of x · y."""
+        return pairs.scale_pairs(*point, share, self.axes, self.scaled, self.weights)
+
+    def advance(
+        self, rows: FloatArray, point: Point, residual: FloatArray, gap: float, share: float, least: float
+    ) -> tuple[float, Point | None]:
+        """Take a step by predictor and corrector; return its length, and the point after it if there is one."""
+        pairs.weigh_rows(self.weights, rows, self.weighed)
+        matrix = rows.T @ self.weighed
+        matrix[self.diagonal] += 1.0
+        lu, pivots, failed = scipy.linalg.lapack.dgetrf(matrix.T, overwrite_a=1)
+        if failed != 0:
+            return 0.0, None
+        solved = _Solved(lu, pivots, rows, residual)
+        pairs.aim_pairs(self.axes, self.scaled, self.none, self.none, 0.0, 0.0, self.aim)
+        dx, dy = self._direction(solved, point, share)
+        length = min(1.0, _longest(point, dx, dy))
+        if not length >= 0.0:
+            return 0.0, None
+        left = float(np.vdot(point.x + length * dx, point.y + length * dy)) / len(dx)
+        # Mehrotra's rule: centre little where the predictor got far
+        centre = max(min(max(left / gap, 0.0), 1.0) ** 3, least)
+        pairs.aim_pairs(self.axes, self.scaled, dx, dy, centre * gap, length * length, self.aim)
+        dx, dy = self._direction(solved, point, share)
+        length = min(1.0, TO_BORDER * _longest(point, dx, dy))
+        while length > 1e-10:
+            after = _moved(point, dx, dy, length)
+            if after is not None and pairs.centrality(*after) >= OFF_CENTRE:
+                return length, after
+            length *= 0.8
+        return 0.0, None
+
+    def _direction(self, solved: _Solved, point: Point, share: float) -> tuple[FloatArray, FloatArray]:
+        """Return the steps dx, dy with dx + P dy = aim and S dy = Y Yᵀ dx - residual."""
+        pushed = self.aim + np.einsum("kij,kj->ki", self.weights, solved.residual)
+        v = solved.solve(solved.rows.T @ pushed.ravel())
+        dx, dy = np.empty_like(pushed), np.empty_like(pushed)
+        for turn in range(REFINEMENTS + 1):
+            moved = (solved.rows @ v).reshape(-1, 3) - solved.residual
+            pairs.finish_direction(self.axes, point.y, share, self.aim, moved, dx, dy)
+            if turn < REFINEMENTS:
+                v = v + solved.solve(solved.rows.T @ dx.ravel() - v)
+        return dx, dy
+
+
+class _Solved(NamedTuple):
+    """The factors of I + Yᵀ P S⁻¹ Y, transposed, the scaled rows of Y, and the residual of a step."""
+
+    lu: FloatArray
+    pivots: IntArray
+    rows: FloatArray
+    residual: FloatArray
+
+    def solve(self, right: FloatArray) -> FloatArray:
+        """Return the solution for a right-hand side (r,)."""
+        found: FloatArray = scipy.linalg.lapack.dgetrs(self.lu, self.pivots, right, trans=1)[0]
+        return found
+
+
+def _longest(point: Point, dx: FloatArray, dy: FloatArray) -> float:
+    """Return the longest step inside both cones."""
+    return min(
+        pairs.longest_step(point.x, point.border_x, dx), pairs.longest_step(point.y, point.border_y, dy)
+    )
+
+
+def _moved(point: Point, dx: FloatArray, dy: FloatArray, length: float) -> Point | None:
+    """Return the point after a step; None where it has left a cone."""
+    after = Point(*(np.empty_like(part) for part in point))
+    inside = pairs.move_points(point.x, point.border_x, dx, length, after.x, after.border_x)
+    inside &= pairs.move_points(point.y, point.border_y, dy, length, after.y, after.border_y)
+    return after if inside else None
+
+
+def _factor(problem: ContactProblem, rows: BoolArray) -> FloatArray:
+    """Return Y (rows, r) with G = Y Yᵀ: the problem's own factor, or a pivoted one to rounding."""
+    if problem.factor is not None:
+        return np.ascontiguousarray(problem.factor[rows].toarray())
+    G = problem.G if rows.all() else problem.G[np.ix_(rows, rows)]
+    lower, order, rank, _ = scipy.linalg.lapack.dpstrf(G, lower=1)
+    Y = np.empty((len(G), rank))
+    Y[order - 1] = np.tril(lower[:, :rank])
+    return Y
