@@ -41,6 +41,10 @@ def contact(
         ),
     ] = False,
     seed: Annotated[int, typer.Option(help="Seed of the generated problems.")] = 0,
+    sequences: Annotated[
+        bool, typer.Option("--sequences", help="Bodies on bodies, step after step, instead; CPU times.")
+    ] = False,
+    scene: Annotated[list[str] | None, typer.Option(help="Of --sequences; once for each.")] = None,
     out: Annotated[Path, typer.Option(help="Write JSON to a new folder here.")] = Path("runs"),
     json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
 ) -> int:
@@ -58,6 +62,10 @@ def contact(
     parsing.seed(seed)
     if tol is not None:
         real_number("--tol", tol, low=1e-15, high=1.0)
+    if sequences:
+        from benchmarks.commands.contact_sequences import print_sequences
+
+        return print_sequences(scene, 1e-8 if tol is None else tol, rivals, quick, out, json)
     problems = problem_set(scale, seed, QUICK_COPIES if quick else copies)
     if folder is not None:
         given = problems_in(folder)

@@ -38,6 +38,7 @@ TABLE = {
         ("coulomb", "k"): 0.95,
         ("convex", "k"): 0.95,
     },
+    "interior_point": {("coulomb", "exact"): 0.8, ("convex", "exact"): 1.0},
     "lemke": {("coulomb", "k"): 0.95},
     "distribution": {("convex", "exact"): 1.0},
     "daqp": {("convex", "k"): 0.95},

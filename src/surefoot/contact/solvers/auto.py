@@ -28,6 +28,7 @@ from surefoot.contact.solvers import on_blocks
 from surefoot.contact.solvers import strategies as plans
 from surefoot.contact.solvers.compiled import COMPILED_CONTACTS, attempt
 from surefoot.contact.solvers.infeasibility import find_proof
+from surefoot.contact.solvers.interior_point import where_redundant
 from surefoot.contact.solvers.newton_sparse import NO_GUESS
 from surefoot.contact.solvers.newton_step import FEW
 from surefoot.contact.solvers.solver import (
@@ -41,7 +42,7 @@ from surefoot.contact.solvers.solver import (
     solve,
     start_forces,
 )
-from surefoot.contact.solvers.strategies import ON_BLOCKS, PARTS, PROOF, Plan, PlanStage
+from surefoot.contact.solvers.strategies import INTERIOR, ON_BLOCKS, PARTS, PROOF, Plan, PlanStage
 
 NEARLY = 1e-2
 """A velocity error of the compiled call's forces below which other methods come before a look for a proof."""
@@ -76,7 +77,19 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
             looks.append(find_proof(problem, max(working_time() - start, EARLY_TIME)))
         return looks[-1:] not in ([], [None])
 
-    done, error, far = on_blocks.alternate(problem, settings, forces, infeasible)
+    def interior(forces: FloatArray, most: int) -> int:
+        """Take the forces of an interior point where contacts are redundant, if they are better."""
+        left = settings.max_time - (working_time() - start)
+        bound = None if settings.max_iterations is None else most
+        found = where_redundant(problem, SolverSettings(settings.tol, bound, left), None)
+        if found is None:
+            return 0
+        # far from an answer it tells less than sweeps do: theirs run away where there is none
+        if worst_of(problem, found.forces) < min(POSSIBLE, worst_of(problem, forces.reshape(-1, 3))):
+            forces[:] = found.forces.ravel()
+        return found.iterations
+
+    done, error, far = on_blocks.alternate(problem, settings, forces, infeasible, interior)
     guess = None if far > NO_GUESS else forces.reshape(-1, 3)
     if error <= settings.tol or (looks and looks[0] is not None):
         return Answer(forces.reshape(-1, 3), done, proof=looks[0] if looks else None)
@@ -87,7 +100,7 @@ def _small_plan(problem: ContactProblem, forces: FloatArray | None) -> Plan:
     """Return the plan of few contacts, in the order that the compiled call's forces suggest."""
     plan = plans.CONES[problem.law]
     if problem.contacts > FEW:  # a dense iteration of ADMM costs more than a sweep on blocks
-        plan = tuple(sorted(plan, key=lambda stage: stage.name not in (PARTS, PROOF, ON_BLOCKS)))
+        plan = tuple(sorted(plan, key=lambda stage: stage.name not in (PARTS, PROOF, INTERIOR, ON_BLOCKS)))
     if forces is not None and worst_of(problem, forces) < NEARLY:  # it has a solution, probably
         plan = tuple(sorted(plan, key=lambda stage: stage.name == PROOF))
         plan = (*plan[:2], *(stage for stage in plan if stage.name == PROOF), *plan[2:-1])
@@ -214,8 +227,8 @@ def part_of(
     return part, rows
 
 
-LOOKS = {PROOF: look_for_proof, PARTS: solve_parts}
-"""Stages that look at the problem with the best forces so far, and may end the plan."""
+LOOKS = {PROOF: look_for_proof, PARTS: solve_parts, INTERIOR: where_redundant}
+"""Stages that look at the problem with the best forces so far: they may end the plan, or have no answer."""
 FUNCTIONS: dict[str, SolverFunction] = {
     ON_BLOCKS: on_blocks.on_blocks,
     plans.ADMM_AND_NEWTON: on_blocks.admm_and_newton,

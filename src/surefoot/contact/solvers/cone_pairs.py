@@ -1,7 +1,7 @@
 """Pairs of points inside second-order cones, one pair a contact: scaling, directions, longest steps.
 
-A contact's cone is x_3 >= ||(x_1, x_2)||, axis last. A point is kept with its distance d = x_3 - ||(x_1, x_2)||
-to the border, which near the border cannot be had from the point: 1e-14 of it would be lost in the difference.
+A contact's cone is x_3 >= ||(x_1, x_2)||, axis last. A point is kept with its distance to the border,
+d = x_3 - ||(x_1, x_2)||, which near the border cannot be had from the point: the difference would lose it.
 The scaling of Nesterov and Todd is the symmetric W with W y = W⁻¹ x = l; P = W².
 
 Source: Y. Nesterov, M. Todd, "Primal-dual interior-point methods for self-scaled cones", SIOPT 8, 1998; L.
@@ -28,7 +28,7 @@ def _determinant(point: FloatArray, border: float) -> float:
 def _product(x: FloatArray, dx: float, y: FloatArray, dy: float) -> float:
     """Return x · y of two points of the cone, without loss where they are opposite borders' rays."""
     p, q = math.sqrt(x[0] ** 2 + x[1] ** 2), math.sqrt(y[0] ** 2 + y[1] ** 2)
-    apart = p * q
+    apart: float = p * q
     if p > 0.0 and q > 0.0:
         # p q + x̄ ȳ of unit vectors a, b is |a + b|² / 2
         apart *= 0.5 * ((x[0] / p + y[0] / q) ** 2 + (x[1] / p + y[1] / q) ** 2)
@@ -42,8 +42,8 @@ def scale_pairs(
 ) -> float:  # fmt: skip
     """Fill the scalings of all pairs (n, 3), and return the mean of x · y.
 
-    Filled are axes (n, 4): w and the factor η with W = η (W of w); scaled (n, 3): l; weights (n, 3, 3): P S⁻¹,
-    where S = I - share e_3 (ȳ / ||ȳ||, 0)ᵀ is the shift's derivative.
+    Filled are axes (n, 4): w and the factor η with W = η (W of w); scaled (n, 3): l; weights (n, 3, 3): P
+    S⁻¹, where S = I - share e_3 (ȳ / ||ȳ||, 0)ᵀ is the shift's derivative.
     """
     total = 0.0
     for k in range(len(x)):
@@ -103,10 +103,10 @@ def aim_pairs(
     axes: FloatArray, scaled: FloatArray, before: FloatArray, after: FloatArray, centre: float, mixed: float,
     out: FloatArray,
 ) -> None:  # fmt: skip
-    """Fill out (n, 3) with c = W (l \\ r): what dx + P dy is to be.
+    r"""Fill out (n, 3) with c = W (l \\ r): what dx + P dy is to be.
 
-    r = centre e - l∘l - mixed (W⁻¹ before)∘(W after), with steps of x and y that were tried before; `∘` is the
-    cone's product.
+    r = centre e - l∘l - mixed (W⁻¹ before)∘(W after), with steps of x and y that were tried before; `∘` is
+    the cone's product.
     """
     r = np.empty(3)
     for k in range(len(out)):
@@ -187,7 +187,7 @@ def move_points(
 
 @kernel
 def centrality(x: FloatArray, dx: FloatArray, y: FloatArray, dy: FloatArray) -> float:
-    """Return the least of sqrt(det x det y) over the mean of x · y: 1 on the central path, 0 at the border."""
+    """Return the least of sqrt(det x det y) over the mean of x · y: 1 on the central path."""
     least, total = np.inf, 0.0
     for k in range(len(x)):
         least = min(least, _determinant(x[k], dx[k]) * _determinant(y[k], dy[k]))

@@ -2,13 +2,14 @@
 
 With forces x and velocities y scaled so that every contact's cone is the second-order cone L, the law reads
 L ∋ x ⟂ y ∈ L, y = Y Yᵀ x + g + ||ȳ|| e_3, G = Y Yᵀ. A step of Nesterov and Todd's scaling, predictor and
-corrector, is one solve with I + Yᵀ P S⁻¹ Y (see `cone_pairs`): as large as the rank of G, the velocities of the
-bodies, however many contacts hold them.
+corrector, is one solve with I + Yᵀ P S⁻¹ Y (see `cone_pairs`): as large as the rank of G, the velocities of
+the bodies, however many contacts hold them.
 
-First the shift's derivative is in S: quadratic, from far away. It loses itself near an answer whose velocities
-may change without a force (a gap of 1e-12, an error of 1e-6). Then the shift is held at what was found, which
-leaves a convex program that has no such end: from a point of the first phase a few steps before its last, each
-takes about six iterations, and the fixed point of shifts (Acary and Cadoux) ends after one or two.
+First the shift's derivative is in S: quadratic, from far away. It loses itself near an answer whose
+velocities may change without a force (a gap of 1e-12, an error of 1e-6). Then the shift is held at what was
+found, which leaves a convex program that has no such end: from a point of the first phase a few steps before
+its last, each takes about ten iterations. The fixed point of shifts (Acary and Cadoux) shrinks by a third to
+two thirds each, which Anderson's mixing shortens to a few.
 
 Source: V. Acary, M. Brémond, O. Huber, "On solving contact problems with Coulomb friction: formulations and
 numerical comparisons", 2018; S. Mehrotra, SIOPT 2, 1992; V. Acary, F. Cadoux, C. Lemaréchal, J. Malick, ZAMM
@@ -35,9 +36,11 @@ from surefoot.contact.solvers.solver import Answer, SolverSettings, nearest_to_z
 from surefoot.contact.solvers.stopping import fill_measure, velocity_error
 
 MOST, MOST_HELD, MOST_SHIFTS = 60, 40, 12
-LEAST, AHEAD = 0.3, 10.0
-STARTS = (1.0, 3.0, 10.0, 0.3)
 """Iterations with the shift linearised, with one held shift, and shifts that are held one after the other."""
+STARTS = (1.0, 3.0, 10.0, 0.3)
+"""First normal forces, over what stops each contact's speed: where one leads nowhere, the next is tried."""
+LEAST, AHEAD = 0.3, 10.0
+"""Least centring while the residual is so many times the gap, over their scales: else the gap ends first."""
 HOLD_FROM = 1e-5
 """Velocity error from which on the shift is held."""
 SHORT, IDLE = 0.1, 3
@@ -48,13 +51,20 @@ TO_BORDER = 0.99
 """Share of the way to the border that a step takes."""
 OFF_CENTRE = 1e-2
 """Least centrality after a step."""
+WORSE = 3
 REFINEMENTS = 1
 """Corrections of a step by its own residual."""
 KNOWN, HELD = 1e-2, 0.3
 """Velocity error below which the path leads near an answer; share of the tolerance to which a program with a
 held shift is solved."""
-HELPED = 0.5
-"""Share of the error that a new shift has to leave at most; else no further one is tried."""
+WORSE = 3
+"""Iterations that leave more of a held program's error than its best, after which rounding has taken over."""
+MOST_RANK, MOST_ROWS, REDUNDANT = 300, 900, 0.75
+"""Rank of G, rows where the rank is not known, and the rank's share of the rows, up to which
+`where_redundant` tries: each iteration has a dense factor, and problems of full rank defeat the method."""
+HELPED, IDLE_SHIFTS, DEPTH = 0.5, 2, 4
+"""Share of the error that a new shift has to leave at most, how many in turn may leave more, and the shifts
+from which the next one is found."""
 
 
 class Point(NamedTuple):
@@ -71,14 +81,45 @@ def solve_interior(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer:
     """Solve Coulomb's or the convex law; a warm start (n, 3) is returned where nothing better is found."""
+    active = _active(problem)
+    return _solve(problem, settings, warm_start, active, _factor(problem, np.repeat(active, 3)))
+
+
+def where_redundant(
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
+) -> Answer | None:
+    """Solve a problem whose contacts hold few bodies, from a warm start as `solve_interior`; else None."""
+    if problem.general or problem.facets is not None or (problem.normal_max < np.inf).any():
+        return None
+    known = None if problem.factor is None else problem.factor.shape[1]
+    if known is not None and known > MOST_RANK:
+        return None
+    active = _active(problem)
+    if known is None and problem.g.size > MOST_ROWS:
+        return None
+    factor = _factor(problem, np.repeat(active, 3))
+    if factor.shape[1] > min(MOST_RANK, REDUNDANT * factor.shape[0]):
+        return None
+    return _solve(problem, settings, warm_start, active, factor)
+
+
+def _active(problem: ContactProblem) -> BoolArray:
+    """Return which contacts (n,) can carry a force and meet a velocity at all."""
+    return np.asarray((problem.normal_max > 0.0) & (problem.scales[1] > 0.0))
+
+
+def _solve(
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None, active: BoolArray,
+    factor: FloatArray,
+) -> Answer:  # fmt: skip
+    """Solve with the factor (rows, r) of the active contacts' G."""
     end = working_time() + settings.max_time
     forces = nearest_to_zero(problem) if warm_start is None else warm_start.reshape(-1, 3).copy()
-    active = (problem.normal_max > 0.0) & (problem.scales[1] > 0.0)
     forces[~active] = nearest_to_zero(problem)[~active]
     if not active.any():
         return Answer(forces, 0, Status.STALLED)
     most = MOST + MOST_SHIFTS * MOST_HELD if settings.max_iterations is None else settings.max_iterations
-    run = _Run(problem, active, forces[active], settings.tol, most, end)
+    run = _Run(problem, active, forces[active], settings.tol, most, end, factor)
     run.go()
     forces[active] = run.best
     stop = Status.MAX_TIME if working_time() > end else Status.STALLED
@@ -90,18 +131,18 @@ class _Run:
 
     def __init__(
         self, problem: ContactProblem, active: BoolArray, forces: FloatArray, tol: float, most: int,
-        end: float,
+        end: float, factor: FloatArray,
     ) -> None:  # fmt: skip
         self.tol, self.most, self.end, self.done = tol, most, end, 0
         self.coulomb = problem.law.shift != 0.0
         rows = np.repeat(active, 3)
         self.mu, self.free = np.ascontiguousarray(problem.mu[active]), problem.g[rows]
         n = len(self.mu)
-        # forces are x times it, the cone's y velocities times it: of mu = 0 the axis is left, and no row grows
+        # forces are x times it, y velocities times it: of mu = 0 the axis is left, and no row grows
         self.scale = np.empty((n, 3))
         self.scale[:, :2] = np.minimum(self.mu, 1.0)[:, None]
         self.scale[:, 2] = 1.0 / np.maximum(self.mu, 1.0)
-        self.factor = _factor(problem, rows)
+        self.factor = factor
         self.rows = np.ascontiguousarray(self.scale.reshape(-1, 1) * self.factor)
         scales = np.ascontiguousarray(problem.scales[:, active])
         weight = np.where(scales[0] > 0.0, scales[0], scales[1])
@@ -116,20 +157,31 @@ class _Run:
         self.error = self._error(forces, self._velocities(forces))
 
     def go(self) -> None:
-        """Linearise the shift from one start after the other, and hold it after each as long as that helps."""
+        """Linearise the shift from one start after the other, and hold it after each while that helps."""
         for start in STARTS if self.coulomb else STARTS[:1]:
             self.path = []
             first = self._start(start)
             if self.coulomb and self._follow(first, None, MOST):
                 return
-            for _ in range(MOST_SHIFTS if self.coulomb else 1):
-                before = self.error
-                if self._follow(self._nearer(first), self._shift(), MOST_HELD):
-                    return
-                if self.done >= self.most or working_time() > self.end:
-                    return
-                if not self.error <= HELPED * before:
-                    break
+            if self._hold(first):
+                return
+            if self.done >= self.most or working_time() > self.end:
+                return
+
+    def _hold(self, first: Point) -> bool:
+        """Hold one shift after the other as long as that helps; tell whether the problem is solved."""
+        shift, held, found, idle = self._shift(), [], [], 0
+        for _ in range(MOST_SHIFTS if self.coulomb else 1):
+            before = self.error
+            if self._follow(self._nearer(first), shift, MOST_HELD):
+                return True
+            idle = 0 if self.error <= HELPED * before else idle + 1
+            if self.done >= self.most or idle >= IDLE_SHIFTS or working_time() > self.end:
+                return False
+            held.append(shift)
+            found.append(self._shift())
+            shift = _next_shift(held[-DEPTH:], found[-DEPTH:], self.speed)
+        return False
 
     def _start(self, size: float) -> Point:
         """Return the point that begins afresh: every contact's speed, and the force that stops it."""
@@ -172,15 +224,21 @@ class _Run:
         )
 
     def _follow(self, point: Point, shift: FloatArray | None, most: int) -> bool:
-        """Follow the central path, the shift held or linearised (None); tell whether the problem is solved."""
-        short, share = 0, 1.0 if shift is None else 0.0
+        """Follow the central path, the shift held or linearised (None); tell whether all is solved."""
+        short, share, least_held, worse = 0, 1.0 if shift is None else 0.0, math.inf, 0
         for _ in range(min(most, self.most - self.done)):
             if working_time() > self.end:
                 break
             gap = self.memory.scale(point, share)
             forces = self.scale * point.x
             u = self._velocities(forces)
-            self.last = forces
+            if shift is None:
+                self.last = forces
+            else:
+                held = self._held_error(forces, u, shift)
+                worse = worse + 1 if held > least_held else 0
+                if held < least_held:
+                    least_held, self.last = held, forces
             error = self._error(forces, u)
             sure = gap <= self.tol * self.energy  # the convex law's energy gap is judged, too
             if error <= self.tol and (self.coulomb or sure):
@@ -189,13 +247,15 @@ class _Run:
                 self.path.append((gap, point))
             if shift is None and error <= HOLD_FROM:
                 break
-            if shift is not None and sure and self._held_error(forces, u, shift) <= HELD * self.tol:
+            if shift is not None and ((sure and held <= HELD * self.tol) or worse >= WORSE):
                 break
             lift = shift if shift is not None else np.sqrt(point.y[:, 0] ** 2 + point.y[:, 1] ** 2)
             residual = point.y - self.scale * u
             residual[:, 2] -= lift
             ratio = float(np.max(np.abs(residual) / self.speed[:, None])) / (gap / self.energy)
-            length, after = self.memory.advance(self.rows, point, residual, gap, share, LEAST if ratio > AHEAD else 0.0)
+            length, after = self.memory.advance(
+                self.rows, point, residual, gap, share, LEAST if ratio > AHEAD else 0.0
+            )
             self.done += 1
             short = short + 1 if length < SHORT else 0
             if after is None or short >= IDLE:
@@ -220,7 +280,7 @@ class _Memory:
     def advance(
         self, rows: FloatArray, point: Point, residual: FloatArray, gap: float, share: float, least: float
     ) -> tuple[float, Point | None]:
-        """Take a step by predictor and corrector; return its length, and the point after it if there is one."""
+        """Take a step by predictor and corrector; return its length and the point after it, if any."""
         pairs.weigh_rows(self.weights, rows, self.weighed)
         matrix = rows.T @ self.weighed
         matrix[self.diagonal] += 1.0
@@ -286,6 +346,19 @@ def _moved(point: Point, dx: FloatArray, dy: FloatArray, length: float) -> Point
     inside = pairs.move_points(point.x, point.border_x, dx, length, after.x, after.border_x)
     inside &= pairs.move_points(point.y, point.border_y, dy, length, after.y, after.border_y)
     return after if inside else None
+
+
+def _next_shift(held: list[FloatArray], found: list[FloatArray], speed: FloatArray) -> FloatArray:
+    """Return the shift (n,) to hold next, from those that were held last and what was found with each.
+
+    Anderson's mixing: the combination of the last ones whose change is the least. Source: H. Walker, P. Ni,
+    "Anderson acceleration for fixed-point iterations", SIAM J. Numer. Anal. 49(4), 2011.
+    """
+    if len(held) == 1:
+        return found[0]
+    changes = (np.array(found) - np.array(held)) / speed
+    mix = np.linalg.lstsq(np.diff(changes, axis=0).T, changes[-1], rcond=1e-6)[0]
+    return np.asarray(np.maximum(found[-1] - mix @ np.diff(np.array(found), axis=0), 0.0))
 
 
 def _factor(problem: ContactProblem, rows: BoolArray) -> FloatArray:

@@ -68,11 +68,13 @@ def alternate(
     settings: SolverSettings,
     forces: FloatArray,
     infeasible: Callable[[float], bool] | None = None,
+    between: Callable[[FloatArray, int], int] | None = None,
 ) -> tuple[int, float, float]:
     """Sweep on the blocks of G as long as that will do, then take Newton steps with sweeps between them.
 
-    Flat (3n,) forces are updated in place; `infeasible` is that of `BlockNewton.run`. Return sweeps and
-    steps, the velocity error and the force error.
+    Flat (3n,) forces are updated in place; `infeasible` is that of `BlockNewton.run`. Another method may come
+    `between` them: it takes the forces and the iterations that are left, improves the forces if it can, and
+    returns the iterations that it took. Return sweeps and steps, the velocity error and the force error.
     """
     tol, most = settings.tol, UNBOUNDED if settings.max_iterations is None else settings.max_iterations
     newton = BlockNewton(problem, tol, working_time() + settings.max_time)
@@ -84,6 +86,9 @@ def alternate(
         # linear convergence extrapolated: would the sweeps that a Newton step is worth reach the tolerance?
         if done > CHUNK and not tol > error * (error / before) ** (STEP_WORTH / CHUNK):
             break
+    if between is not None and error > tol and done < most:
+        done += between(forces, most - done)
+        _, error, far = newton.measure(forces)
     if error > tol and done < most and working_time() < newton.end and not heavy(problem):
         used, error = newton.run(forces, most - done, *FIRST_TRY, infeasible=infeasible)
         done, far = done + used, newton.measure(forces)[2]

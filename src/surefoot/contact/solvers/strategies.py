@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 PARTS, PROOF = "connected parts apart", "infeasibility proof"
 ON_BLOCKS, ADMM_AND_NEWTON = "sweeps and newton on blocks", "admm and newton"
+INTERIOR = "interior point, redundant contacts"
 """What is tried besides solvers; see `auto`."""
 
 
@@ -39,6 +40,7 @@ CONES: dict[str, Plan] = {
     "coulomb": (
         PlanStage(PARTS),
         PlanStage(PROOF),
+        PlanStage(INTERIOR),
         PlanStage("newton"),
         PlanStage("admm", 1500),
         PlanStage(ON_BLOCKS, 20_000),
