@@ -28,11 +28,12 @@ def _determinant(point: FloatArray, border: float) -> float:
 def _product(x: FloatArray, dx: float, y: FloatArray, dy: float) -> float:
     """Return x · y of two points of the cone, without loss where they are opposite borders' rays."""
     p, q = math.sqrt(x[0] ** 2 + x[1] ** 2), math.sqrt(y[0] ** 2 + y[1] ** 2)
-    apart: float = p * q
+    apart = p * q
     if p > 0.0 and q > 0.0:
         # p q + x̄ ȳ of unit vectors a, b is |a + b|² / 2
         apart *= 0.5 * ((x[0] / p + y[0] / q) ** 2 + (x[1] / p + y[1] / q) ** 2)
-    return dx * y[2] + p * dy + apart
+    total: float = dx * y[2] + p * dy + apart
+    return total
 
 
 @kernel
@@ -179,7 +180,7 @@ def move_points(
         grown = 2.0 * (points[k, 0] * a + points[k, 1] * b) + a * a + b * b
         if size + after > 0.0:
             grown /= size + after
-        out_borders[k] = borders[k] + d - grown
+        out_borders[k] = borders[k] + (d - grown)
         out[k, 2] = after + out_borders[k]
         inside = inside and out_borders[k] > 0.0
     return inside

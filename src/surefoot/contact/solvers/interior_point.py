@@ -230,6 +230,8 @@ class _Run:
             if working_time() > self.end:
                 break
             gap = self.memory.scale(point, share)
+            if not gap > 0.0:  # below the smallest number
+                break
             forces = self.scale * point.x
             u = self._velocities(forces)
             if shift is None:
