@@ -292,9 +292,6 @@ class FrictionLimits(Settings):
         low=0.0,
         tuned=VARIED + "3.333e-06 to 0.03",
     )
-    least_rows: int = setting(
-        3, "-", "rows within slides that contradict the friction used", low=1, tuned=ALIKE + "1 to 23"
-    )
 
 
 @dataclass(frozen=True)

@@ -185,13 +185,6 @@ class RecordLimits(Settings):
         low=0.0,
         tuned=VARIED + "3.333e-05 to 3",
     )
-    fastest_gap: float = setting(
-        5.0,
-        "m/s",
-        "rate of a gap beyond which a foot passes an edge and tells nothing of the clock",
-        low=0.0,
-        tuned=ALIKE + "0.001667 to 1.5e+04",
-    )
     creep: float = setting(
         0.1,
         "m/s",
@@ -264,13 +257,6 @@ class EpisodeLimits(Settings):
         "impulse up to which the largest force is the blow of a landing",
         low=0.0,
         tuned=VARIED + "2 to 2",
-    )
-    consistent: float = setting(
-        0.03,
-        "m g",
-        "mean difference up to which joint torques and forces agree",
-        low=0.0,
-        tuned=ALIKE + "1e-05 to 90",
     )
     sideways: float = setting(
         0.05,

@@ -134,15 +134,7 @@ class RankLimits(Settings):
         0.975, "-", "strength of one step impulse", low=0.0, high=1.0, tuned=VARIED + "0.875 to 1"
     )
     solver_asymmetry: float = setting(
-        0.9,
-        "-",
-        "strength of solver asymmetry where torques agree with forces",
-        low=0.0,
-        high=1.0,
-        tuned=ALIKE + "0 to 1",
-    )
-    asymmetry_doubtful: float = setting(
-        0.6, "-", "strength of solver asymmetry otherwise", low=0.0, high=1.0, tuned=VARIED + "0 to 0.7"
+        0.6, "-", "strength of solver asymmetry", low=0.0, high=1.0, tuned=VARIED + "0 to 0.7"
     )
     turn_of_many: float = setting(
         0.006,
