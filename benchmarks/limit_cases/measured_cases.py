@@ -9,7 +9,6 @@ import numpy as np
 
 from benchmarks.limit_cases.made import arrays_of, changed_log
 from benchmarks.limit_cases.verdict import SLOPE, STAND, TROT, CleanLogs, Verdict, breaks, keeps, named
-from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import GRAVITY, rotation_about
 from surefoot.mechanics import Robot, load_robot
 from surefoot.records.audit.fault_injection import LogCopy
@@ -17,7 +16,7 @@ from surefoot.records.audit.seeded_faults import shift_support
 from surefoot.records.log import Log
 
 AT_PIN = 0.01
-"""A degree's half [rad]: what a pin of steel and a link of aluminium give way under a motor's torque."""
+"""What a pin and the link at it give way under a motor's torque: half a degree [rad]."""
 
 
 def measured_cases(logs: CleanLogs) -> Iterator[Verdict]:

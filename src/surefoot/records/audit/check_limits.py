@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from surefoot.base.loaded import CARRIES
 from surefoot.base.settings import Settings, setting
-from surefoot.records.audit.limit_sources import ALIKE, VARIED
+from surefoot.records.audit.limit_sources import RIVALS, VARIED
 
 
 @dataclass(frozen=True)
@@ -200,7 +200,7 @@ class ContinuityLimits(Settings):
         tuned=VARIED + "0.0001667 to 150",
     )
     velocity_share: float = setting(
-        0.05, "-", "the difference as a share of the speed", low=0.0, tuned=ALIKE + "1.667e-05 to 150"
+        0.05, "-", "the difference as a share of the speed", low=0.0, tuned=RIVALS + "0.01667 to 0.15"
     )
 
 
@@ -343,7 +343,7 @@ class CommandLimits(Settings):
         "share of a mismatch that a turn or a mirror must explain to be named",
         low=0.0,
         high=1.0,
-        tuned=VARIED + "0.8 to 0.8",
+        tuned=RIVALS + "0 to 0.9667",
     )
     least_turn: float = setting(
         3.0, "deg", "turn of commanded forces that is named", low=0.0, tuned=VARIED + "0.001 to 90"

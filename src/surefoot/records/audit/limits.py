@@ -18,7 +18,7 @@ from surefoot.records.audit.check_limits import (
     FrictionLimits,
     ReboundLimits,
 )
-from surefoot.records.audit.limit_sources import ALIKE, VARIED
+from surefoot.records.audit.limit_sources import RIVALS, VARIED
 from surefoot.records.audit.rank_limits import RankLimits
 from surefoot.records.audit.run_limits import (
     ContactTimeLimits,
@@ -263,7 +263,7 @@ class EpisodeLimits(Settings):
         "-",
         "share of the squared mismatch along the normal of one that lies across it",
         low=0.0,
-        tuned=ALIKE + "1.667e-05 to 150",
+        tuned=RIVALS + "1.667e-05 to 0.15",
     )
     amiss: float = setting(
         0.01,

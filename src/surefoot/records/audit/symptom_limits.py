@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from surefoot.base.settings import Settings, setting
-from surefoot.records.audit.limit_sources import ALIKE, VARIED
+from surefoot.records.audit.limit_sources import RIVALS, VARIED
 
 
 @dataclass(frozen=True)
@@ -218,7 +218,7 @@ class MeasuredLimits(Settings):
         "share of the rows in which a joint is at its stop",
         low=0.0,
         high=1.0,
-        tuned=ALIKE + "0.0001 to 1",
+        tuned=RIVALS + "0.3 to 0.3",
     )
     flat: float = setting(
         0.01,
@@ -230,11 +230,11 @@ class MeasuredLimits(Settings):
     explained: float = setting(
         0.9,
         "-",
-        "share of the mismatch that a mirror, the other sign, a factor, a constant or another foot's force must "
-        "explain to be named, and a turn of the other feet's",
+        "share of the mismatch that a mirror, the other sign, a factor, a constant or another foot's force "
+        "must explain to be named; and of other feet's mismatch a turn",
         low=0.0,
         high=1.0,
-        tuned=VARIED + "0 to 0.9667",
+        tuned=RIVALS + "0 to 0.9667",
     )
     turn: float = setting(
         3.0, "deg", "turn of forces that is a wrong frame", low=0.0, tuned=VARIED + "0.1 to 9"
@@ -273,7 +273,7 @@ class MeasuredLimits(Settings):
         "share of the rows in the air from which a constant is told from a factor",
         low=0.0,
         high=1.0,
-        tuned=ALIKE + "3.333e-05 to 1",
+        tuned=RIVALS + "0.03333 to 1",
     )
     delay_most: float = setting(
         0.08, "s", "largest shift in time that is tried", low=0.0, tuned=VARIED + "0.02667 to 2.4"
@@ -321,16 +321,21 @@ class MeasuredLimits(Settings):
         "m g",
         "true force below a clipped one that rounding and smoothing allow",
         low=0.0,
-        tuned=ALIKE + "3.333e-06 to 30",
+        tuned=RIVALS + "3.333e-06 to 0.03",
     )
     phantom_gap: float = setting(
         0.001, "m", "gap from which a foot is in the air", low=0.0, tuned=VARIED + "3.333e-07 to 0.03"
     )
     unloaded: float = setting(
-        0.03, "m g", "true force below which a leg carries nothing", low=0.0, tuned=VARIED + "0.001 to 90"
+        0.03, "m g", "true force below which a leg carries nothing", low=0.0, tuned=RIVALS + "0.001 to 0.09"
     )
     phantom_air: float = setting(
-        0.5, "-", "share of the rows in which a foot is in the air and its leg carries nothing", low=0.0, high=1.0, tuned=VARIED + "0.5 to 0.5"
+        0.5,
+        "-",
+        "share of the rows in which a foot is in the air and its leg carries nothing",
+        low=0.0,
+        high=1.0,
+        tuned=RIVALS + "0.5 to 0.5",
     )
     dead_share: float = setting(
         0.9,
