@@ -158,8 +158,9 @@ def cases_with_limits() -> list[tuple[Verdict, set[str]]]:
     "group",
     [
         "times", "walk", "stand", "motors", "estimate", "ranks.unconverged_solver", "ranks.pyramid_bias",
-        "ranks.deep_contact", "ranks.energy_gain", "ranks.clipped_flat", "ranks.joint_stop", "measured.explained",
-        "measured.stop_share", "measured.bias_flies", "continuity.velocity_share", "episodes.sideways",
+        "ranks.deep_contact", "ranks.energy_gain", "ranks.clipped_flat", "ranks.joint_stop",
+        "measured.explained", "measured.stop_share", "measured.bias_flies",
+        "continuity.velocity_share", "episodes.sideways",
     ],
 )  # fmt: skip
 def test_the_choice_of_a_group_is_repeated_by_the_made_cases(group: str) -> None:

@@ -39,7 +39,7 @@ class LawLimits(Settings):
         "m",
         "deepest penetration that counts as touching, widest gap across which a force may act",
         low=0.0,
-        tuned=VARIED + "0.0003333 to 0.001",
+        tuned=RIVALS + "0.001 to 0.001",
     )
     slide: float = setting(
         1e-3,
@@ -197,7 +197,7 @@ class RecordLimits(Settings):
         "m",
         "declared sinking from which a world is called soft",
         low=0.0,
-        tuned=VARIED + "0.001667 to 0.15",
+        tuned=RIVALS + "0.001667 to 0.005",
     )
     join: float = setting(
         0.02, "s", "time between two violations that are one", low=0.0, tuned=VARIED + "0.0006667 to 0.06"
