@@ -15,8 +15,8 @@ from surefoot.records.audit.fault_injection import LogCopy
 from surefoot.records.audit.seeded_faults import shift_support
 from surefoot.records.log import Log
 
-AT_PIN = 0.01
-"""What a pin and the link at it give way under a motor's torque: half a degree [rad]."""
+AT_PIN = 5e-3
+"""Play of a joint's gear, within which a pin may push back: 0.3 degrees [rad]."""
 
 
 def measured_cases(logs: CleanLogs) -> Iterator[Verdict]:
@@ -73,7 +73,7 @@ def _stops(trot: Log) -> Iterator[Verdict]:
     knee, q = 2, trot["q"][:, 9]
     pressed, folded = arrays_of(trot), float(np.min(q))
     pressed["torques"][q < folded + AT_PIN, knee] -= 10.0
-    why = "a pin where the swing folds the knee most: the motor of 45 N m presses on it with 10, for 18 ms"
+    why = "a pin where the swing folds the knee most: the motor of 45 N m presses on it with 10"
     log = changed_log(trot, pressed)
     yield named("a knee that knocks at a pin", why, log, "joint stop", _pinned(low=folded))
     silent, part = arrays_of(trot), slice(780, 937)

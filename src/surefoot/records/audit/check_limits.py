@@ -197,7 +197,7 @@ class ContinuityLimits(Settings):
         "m/s",
         "difference of a contact's velocity from that of the joints",
         low=0.0,
-        tuned=VARIED + "0.0001667 to 150",
+        tuned=RIVALS + "0.0001667 to 1.5",
     )
     velocity_share: float = setting(
         0.05, "-", "the difference as a share of the speed", low=0.0, tuned=RIVALS + "0.01667 to 0.15"
@@ -213,7 +213,7 @@ class ReboundLimits(Settings):
         "m",
         "way on which m g does the work that a touch may return (clean walks: a seventh)",
         low=0.0,
-        tuned=VARIED + "5e-05 to 0.0015",
+        tuned=RIVALS + "5e-05 to 0.00015",
     )
     share: float = setting(
         0.03,

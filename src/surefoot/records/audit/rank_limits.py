@@ -58,7 +58,7 @@ class RankLimits(Settings):
     velocity_jump: float = setting(
         0.997, "-", "strength of velocity jump", low=0.0, high=1.0, tuned=VARIED + "0.897 to 0.997"
     )
-    pull: float = setting(0.97, "-", "strength of pull", low=0.0, high=1.0, tuned=VARIED + "0.87 to 0.976")
+    pull: float = setting(0.97, "-", "strength of pull", low=0.0, high=1.0, tuned=RIVALS + "0.87 to 0.97")
     coarse_facets: float = setting(
         0.995, "-", "strength of coarse facets", low=0.0, high=1.0, tuned=VARIED + "0.989 to 1"
     )
@@ -77,7 +77,7 @@ class RankLimits(Settings):
         0.98, "-", "strength of friction in the air", low=0.0, high=1.0, tuned=VARIED + "0.974 to 1"
     )
     friction_drives: float = setting(
-        0.992, "-", "strength of friction drives", low=0.0, high=1.0, tuned=VARIED + "0.986 to 1"
+        0.992, "-", "strength of friction drives", low=0.0, high=1.0, tuned=RIVALS + "0.986 to 0.992"
     )
     frictionless_slide: float = setting(
         0.986, "-", "strength of frictionless slide", low=0.0, high=1.0, tuned=VARIED + "0.98 to 0.992"
@@ -129,7 +129,12 @@ class RankLimits(Settings):
         0.89, "-", "strength of chatter that breaks none", low=0.0, high=1.0, tuned=VARIED + "0.79 to 0.896"
     )
     skating: float = setting(
-        0.995, "-", "strength of skating that breaks a law", low=0.0, high=1.0, tuned=VARIED + "0.995 to 1"
+        0.995,
+        "-",
+        "strength of skating that breaks a law",
+        low=0.0,
+        high=1.0,
+        tuned=RIVALS + "0.995 to 0.995",
     )
     skating_lawful: float = setting(
         0.9, "-", "strength of skating that breaks none", low=0.0, high=1.0, tuned=VARIED + "0 to 0.906"

@@ -210,7 +210,7 @@ class MeasuredLimits(Settings):
         "rad, m",
         "distance from the end of a joint's range at which it is at its stop",
         low=0.0,
-        tuned=VARIED + "3.333e-06 to 0.3",
+        tuned=RIVALS + "0.003333 to 0.01",
     )
     stop_share: float = setting(
         0.3,
@@ -343,7 +343,7 @@ class MeasuredLimits(Settings):
         "share of the rows in which a dead joint has no torque",
         low=0.0,
         high=1.0,
-        tuned=VARIED + "0 to 0.9",
+        tuned=RIVALS + "0.7 to 0.9",
     )
     torques_body: float = setting(
         0.02,
