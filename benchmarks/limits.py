@@ -32,6 +32,8 @@ from benchmarks.limit_cases.command_cases import command_cases
 from benchmarks.limit_cases.contact_time_cases import contact_time_cases
 from benchmarks.limit_cases.friction_cases import friction_cases
 from benchmarks.limit_cases.law_cases import law_cases
+from benchmarks.limit_cases.measured_cases import measured_cases
+from benchmarks.limit_cases.rival_cases import rival_cases
 from benchmarks.limit_cases.robot_cases import robot_cases
 from benchmarks.limit_cases.run_cases import run_cases
 from benchmarks.limit_cases.symptom_cases import symptom_cases
@@ -137,9 +139,10 @@ def cases(runs: int, clean: int, keep: Path | None) -> list[Case | Verdict]:
 def made_cases(logs: CleanLogs) -> Iterator[Verdict]:
     """Yield the cases of `benchmarks.limit_cases`, from the clean runs by number."""
     yield from run_cases(logs)
-    for some in (contact_time_cases, law_cases, friction_cases, command_cases, symptom_cases):
+    for some in (contact_time_cases, law_cases, friction_cases, command_cases, symptom_cases, rival_cases):
         yield from some()
     yield from robot_cases(logs)
+    yield from measured_cases(logs)
 
 
 def _kept(run: Any, keep: Path | None) -> Log:

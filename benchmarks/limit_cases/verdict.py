@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from surefoot.mechanics import Robot
 from surefoot.records.audit import AuditReport, audit_log
 from surefoot.records.audit.limits import AuditLimits
 from surefoot.records.log import Log
 
 CleanLogs = Callable[[int], Log]
 """From a number to the log of that one of `clean_runs`; it must not be written to."""
-TROT, STAND = 10, 11
-"""Numbers of the clean runs in which a Go2 trots, and stands, in the rigid world."""
+TROT, STAND, SLOPE = 10, 11, 13
+"""Numbers of the clean runs in which a Go2 trots, stands, and stands on a slope, in the rigid world."""
 
 
 @dataclass(frozen=True)
@@ -34,9 +35,11 @@ class Verdict:
     right: Callable[[AuditLimits], bool]
 
 
-def audited(name: str, why: str, log: Log, right: Callable[[AuditReport], bool]) -> Verdict:
-    """Return the case of an audit of a log."""
-    return Verdict(name, why, lambda limits: right(audit_log(log, limits=limits)))
+def audited(
+    name: str, why: str, log: Log, right: Callable[[AuditReport], bool], robot: Robot | None = None
+) -> Verdict:
+    """Return the case of an audit of a log, of a robot or of the one that it names."""
+    return Verdict(name, why, lambda limits: right(audit_log(log, robot, limits)))
 
 
 def clean(name: str, why: str, log: Log) -> Verdict:
@@ -54,9 +57,9 @@ def keeps(name: str, why: str, log: Log, law: str) -> Verdict:
     return audited(name, why, log, lambda r: law not in r.laws_broken)
 
 
-def named(name: str, why: str, log: Log, symptom: str) -> Verdict:
+def named(name: str, why: str, log: Log, symptom: str, robot: Robot | None = None) -> Verdict:
     """Return the case of a log whose first symptom is this one."""
-    return audited(name, why, log, lambda r: bool(r.symptoms) and r.symptoms[0].name == symptom)
+    return audited(name, why, log, lambda r: bool(r.symptoms) and r.symptoms[0].name == symptom, robot)
 
 
 def asked(name: str, why: str, log: Log, finding: str) -> Verdict:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from surefoot.base.loaded import CARRIES
 from surefoot.base.settings import Settings, setting
-from surefoot.records.audit.limit_sources import ALIKE, VARIED
+from surefoot.records.audit.limit_sources import RIVALS, VARIED
 
 
 @dataclass(frozen=True)
@@ -197,10 +197,10 @@ class ContinuityLimits(Settings):
         "m/s",
         "difference of a contact's velocity from that of the joints",
         low=0.0,
-        tuned=VARIED + "0.0001667 to 150",
+        tuned=RIVALS + "0.0001667 to 1.5",
     )
     velocity_share: float = setting(
-        0.05, "-", "the difference as a share of the speed", low=0.0, tuned=ALIKE + "1.667e-05 to 150"
+        0.05, "-", "the difference as a share of the speed", low=0.0, tuned=RIVALS + "0.01667 to 0.15"
     )
 
 
@@ -213,7 +213,7 @@ class ReboundLimits(Settings):
         "m",
         "way on which m g does the work that a touch may return (clean walks: a seventh)",
         low=0.0,
-        tuned=VARIED + "5e-05 to 0.0015",
+        tuned=RIVALS + "5e-05 to 0.00015",
     )
     share: float = setting(
         0.03,
@@ -292,9 +292,6 @@ class FrictionLimits(Settings):
         low=0.0,
         tuned=VARIED + "3.333e-06 to 0.03",
     )
-    least_rows: int = setting(
-        3, "-", "rows within slides that contradict the friction used", low=1, tuned=ALIKE + "1 to 23"
-    )
 
 
 @dataclass(frozen=True)
@@ -346,7 +343,7 @@ class CommandLimits(Settings):
         "share of a mismatch that a turn or a mirror must explain to be named",
         low=0.0,
         high=1.0,
-        tuned=VARIED + "0.8 to 0.8",
+        tuned=RIVALS + "0 to 0.9667",
     )
     least_turn: float = setting(
         3.0, "deg", "turn of commanded forces that is named", low=0.0, tuned=VARIED + "0.001 to 90"

@@ -36,15 +36,14 @@ class _Window:
     slid: int
     start: float
     end: float
-    limits: FrictionLimits
 
     def low(self, least: int) -> int:
         """Return the bin that more than `least` rows reach, zero for fewer."""
         return int(np.partition(self.used, -least - 1)[-least - 1]) if len(self.used) > least else 0
 
     def high(self) -> float:
-        """Return the bin of the middle of the slides, infinite for too few rows of them."""
-        return float(np.median(self.slides)) + 1.0 if len(self.slides) >= self.limits.least_rows else np.inf
+        """Return the bin of the middle of the slides, infinite without any."""
+        return float(np.median(self.slides)) + 1.0 if len(self.slides) else np.inf
 
 
 @dataclass
@@ -76,7 +75,7 @@ class _Stretch:
     def contradicted(self, low: float, high: float, least: int) -> bool:
         """Return whether a window's bins tell of another ground."""
         limits = self.limits
-        if self.steady >= limits.least_rows and low > (1.0 + limits.change) * (_bin(self.slides, 0.5) + 1):
+        if self.steady and low > (1.0 + limits.change) * (_bin(self.slides, 0.5) + 1):
             return True
         if high == np.inf or self.rows <= least:
             return False
@@ -123,7 +122,7 @@ class FrictionCount:
             first, last = float(time[at][0]), float(time[at][-1])
             for k in np.flatnonzero(loaded[at].any(axis=0)).tolist():
                 mine, slid = bins[at, k], int(sliding[at, k].sum())
-                self._take(k, _Window(mine[loaded[at, k]], mine[steady[at, k]], slid, first, last, limits))
+                self._take(k, _Window(mine[loaded[at, k]], mine[steady[at, k]], slid, first, last))
 
     def _take(self, k: int, window: _Window) -> None:
         """Add a window to the contact's stretch, or begin another with it."""

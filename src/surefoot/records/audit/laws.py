@@ -11,7 +11,7 @@ import numpy as np
 from surefoot.base.arrays import BoolArray, FloatArray, real_number
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY
-from surefoot.records.audit.limits import LIMITS, LawLimits
+from surefoot.records.audit.limits import LIMITS, AuditLimits, LawLimits
 from surefoot.records.audit.slides import WORST, slide_on, slide_rules, start_slides
 from surefoot.records.log import Log
 
@@ -65,8 +65,8 @@ class LawFigures:
     sinking: float = 0.0
     stopping: float = 0.0
 
-    def broken(self, weight: float) -> list[str]:
-        """Return one line per broken law, for a robot of the given weight m g [N].
+    def broken(self, weight: float, limits: AuditLimits = LIMITS) -> list[str]:
+        """Return one line per broken law, for a robot of the given weight m g [N], judged by limits.
 
         What is not finite is broken. Empty means that no law in `judged` was.
         """
@@ -74,13 +74,13 @@ class LawFigures:
         if weight == 0.0:
             raise ProblemError("weight must be positive, got 0")
         out = list(self.not_finite)
-        limits = LIMITS.laws
-        depth, way = max(limits.penetration, self.sinking), limits.slide + self.stopping
+        laws = limits.laws
+        depth, way = max(laws.penetration, self.sinking), laws.slide + self.stopping
         if self.penetration_max > depth:
             out.append(f"penetration of {1e3 * self.penetration_max:.2f} mm (limit {1e3 * depth:.3g})")
-        if self.unilateral_min < -limits.pull * weight:
+        if self.unilateral_min < -laws.pull * weight:
             out.append(f"a pull of {-self.unilateral_min:.3g} N")
-        if self.cone_use_max > limits.cone:
+        if self.cone_use_max > laws.cone:
             out.append(f"{self.cone_use_max:.3f} times the friction that the cone allows")
         if self.separation_max > depth:
             out.append(f"a force {1e3 * self.separation_max:.2f} mm off the ground (limit {1e3 * depth:.3g})")
@@ -91,21 +91,22 @@ class LawFigures:
         return out
 
 
-def contact_use(forces: FloatArray, mu: FloatArray, threshold: float) -> FloatArray:
+def contact_use(
+    forces: FloatArray, mu: FloatArray, threshold: float, least: float = LIMITS.laws.least_friction
+) -> FloatArray:
     """Return ||f_t|| / (mu f_n) of (T, p, 3) forces: (T, p).
 
     A normal force below `threshold` [N] counts as that much: a contact with hardly any is allowed the noise
-    of its friction, and no more. `mu` is (T,) or (T, p), taken as
-    `LIMITS.laws.least_friction` at least. NaN where a force is.
+    of its friction, and no more. `mu` is (T,) or (T, p), taken as `least` at least. NaN where a force is.
     """
     normal = np.maximum(forces[..., 2], max(threshold, np.finfo(np.float64).tiny))
-    limit = np.maximum(_of_each(mu, normal.shape), LIMITS.laws.least_friction) * normal
+    limit = np.maximum(_of_each(mu, normal.shape), least) * normal
     with np.errstate(invalid="ignore", over="ignore"):
         return np.asarray(np.hypot(forces[..., 0], forces[..., 1]) / limit)
 
 
-def log_laws(log: Log) -> LawFigures:
-    """Return the laws as numbers for a log, in bounded memory.
+def log_laws(log: Log, judged: AuditLimits = LIMITS) -> LawFigures:
+    """Return the laws as numbers for a log, in bounded memory; limits say what is loaded, slides, or swings.
 
     Needs the channels forces, gaps, contact_velocities and mu, and the facts mass and dt. Measurements that
     are not finite are broken laws and no error, see `LawFigures.broken`.
@@ -116,7 +117,7 @@ def log_laws(log: Log) -> LawFigures:
         If the log lacks one of them, or has negative friction.
     """
     weight, dt = float(log.fact("mass")) * GRAVITY, log.fact("dt")
-    limits, softest = LIMITS.laws, LIMITS.softness
+    limits, softest = judged.laws, judged.softness
     sinking, stopping, settling = (
         min(stated(log, name), getattr(softest, name)) for name in ("sinking", "stopping", "settling")
     )
@@ -130,7 +131,7 @@ def log_laws(log: Log) -> LawFigures:
             _lose(lost, name, values, rows)
         if f.size:
             with np.errstate(invalid="ignore", over="ignore"):
-                worst = np.maximum(worst, _figures(f, gap, v, mu, weight))  # NaN stays
+                worst = np.maximum(worst, _figures(f, gap, v, mu, weight, limits))  # NaN stays
             rows += len(f)
         if not lost.keys() & _OF_SLIDES:
             slide_on(
@@ -227,17 +228,17 @@ def _lose(lost: dict[str, tuple[int, int, int]], name: str, values: FloatArray, 
 
 
 def _figures(
-    f: FloatArray, gap: FloatArray, v: FloatArray, mu: FloatArray, weight: float
+    f: FloatArray, gap: FloatArray, v: FloatArray, mu: FloatArray, weight: float, limits: LawLimits
 ) -> tuple[float, ...]:
     """Return the first six of `LawFigures` for some rows, the least normal force with its sign turned."""
-    threshold = LIMITS.laws.loaded * weight
+    threshold = limits.loaded * weight
     return (
         max(0.0, -float(gap.min())) if np.isfinite(gap).all() else math.nan,
         -float(f[..., 2].min()),
-        float(contact_use(f, mu, threshold).max()),
+        float(contact_use(f, mu, threshold, limits.least_friction).max()),
         float(np.abs(f[..., 2] * gap).max()),
         _apart(f, gap, threshold),
-        _power_missing(f, v, mu, threshold) / weight,
+        _power_missing(f, v, mu, threshold, limits.sliding_speed) / weight,
     )
 
 
@@ -248,12 +249,14 @@ def _apart(f: FloatArray, gap: FloatArray, threshold: float) -> float:
     return float(np.where(unknown, np.nan, np.where(pushed > threshold, np.maximum(gap, 0.0), 0.0)).max())
 
 
-def _power_missing(f: FloatArray, v: FloatArray, mu: FloatArray, threshold: float) -> float:
+def _power_missing(
+    f: FloatArray, v: FloatArray, mu: FloatArray, threshold: float, sliding_speed: float
+) -> float:
     """Return the most friction missing against the slip of a loaded contact at an instant [N]."""
     speed = np.hypot(v[..., 0], v[..., 1])
     # Maximum dissipation: along the slip the force is -mu f_n.
     along = (f[..., 0] * v[..., 0] + f[..., 1] * v[..., 1]) / np.maximum(speed, 1e-12)
     missing = mu * f[..., 2] + along
     unknown = ~np.isfinite(missing)
-    sliding = (speed > LIMITS.laws.sliding_speed) & (f[..., 2] > threshold)
+    sliding = (speed > sliding_speed) & (f[..., 2] > threshold)
     return float(np.where(unknown, np.nan, np.where(sliding, missing, 0.0)).max())

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from surefoot.base.settings import JUDGEMENT
-
 VARIED = "`python -m benchmarks.limits`, 2026-11-25: as good from "
-"""The command varies a limit over logs with faults and clean ones; values beyond the range do worse."""
-ALIKE = f"{JUDGEMENT}: the faults of `benchmarks.limits` are found alike from "
-"""No value that the command tried does worse: another value would be chosen as well."""
+"""The command varies a limit over logs with faults and without, and made cases: values beyond do worse."""
+RIVALS = "`python -m benchmarks.limits`, 2026-11-26: as good from "
+"""The same with the cases in which two symptoms speak, or a fault and noise."""

@@ -18,7 +18,7 @@ from surefoot.records.audit.check_limits import (
     FrictionLimits,
     ReboundLimits,
 )
-from surefoot.records.audit.limit_sources import ALIKE, VARIED
+from surefoot.records.audit.limit_sources import RIVALS, VARIED
 from surefoot.records.audit.rank_limits import RankLimits
 from surefoot.records.audit.run_limits import (
     ContactTimeLimits,
@@ -39,7 +39,7 @@ class LawLimits(Settings):
         "m",
         "deepest penetration that counts as touching, widest gap across which a force may act",
         low=0.0,
-        tuned=VARIED + "0.0003333 to 0.001",
+        tuned=RIVALS + "0.001 to 0.001",
     )
     slide: float = setting(
         1e-3,
@@ -185,13 +185,6 @@ class RecordLimits(Settings):
         low=0.0,
         tuned=VARIED + "3.333e-05 to 3",
     )
-    fastest_gap: float = setting(
-        5.0,
-        "m/s",
-        "rate of a gap beyond which a foot passes an edge and tells nothing of the clock",
-        low=0.0,
-        tuned=ALIKE + "0.001667 to 1.5e+04",
-    )
     creep: float = setting(
         0.1,
         "m/s",
@@ -204,7 +197,7 @@ class RecordLimits(Settings):
         "m",
         "declared sinking from which a world is called soft",
         low=0.0,
-        tuned=VARIED + "0.001667 to 0.15",
+        tuned=RIVALS + "0.001667 to 0.005",
     )
     join: float = setting(
         0.02, "s", "time between two violations that are one", low=0.0, tuned=VARIED + "0.0006667 to 0.06"
@@ -265,19 +258,12 @@ class EpisodeLimits(Settings):
         low=0.0,
         tuned=VARIED + "2 to 2",
     )
-    consistent: float = setting(
-        0.03,
-        "m g",
-        "mean difference up to which joint torques and forces agree",
-        low=0.0,
-        tuned=ALIKE + "1e-05 to 90",
-    )
     sideways: float = setting(
         0.05,
         "-",
         "share of the squared mismatch along the normal of one that lies across it",
         low=0.0,
-        tuned=ALIKE + "1.667e-05 to 150",
+        tuned=RIVALS + "1.667e-05 to 0.15",
     )
     amiss: float = setting(
         0.01,

@@ -7,7 +7,7 @@ import numpy as np
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.loaded import loaded_feet
 from surefoot.base.spatial import GRAVITY, rotation_from_quaternion
-from surefoot.records.audit.limits import LIMITS
+from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.log import Log
 
 
@@ -23,14 +23,15 @@ def touching(log: Log) -> BoolArray:
     return loaded_feet(foot_forces(log)[..., 2], log.fact("mass") * GRAVITY)
 
 
-def slips(log: Log) -> FloatArray:
+def slips(log: Log, limits: AuditLimits = LIMITS) -> FloatArray:
     """Return how far each contact point has slid since it was last commanded to push: (T, p) [m].
 
     Integrates the velocity of the foot's material at the contact while loaded, so that rolling is no
     slip and a foot that hops while it slides is not forgiven; zero for a foot in the air on purpose.
+    Limits say what is loaded.
     """
     weight = log.fact("mass") * GRAVITY
-    loaded = loaded_feet(log["forces"][..., 2], weight, LIMITS.laws.loaded)
+    loaded = loaded_feet(log["forces"][..., 2], weight, limits.laws.loaded)
     travel = np.cumsum(np.where(loaded[..., None], log["contact_velocities"][..., :2], 0.0), axis=0)
     travel *= log.fact("dt")
     active = np.asarray(log["active"])

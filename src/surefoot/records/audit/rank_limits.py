@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from surefoot.base.settings import Settings, setting
-from surefoot.records.audit.limit_sources import ALIKE, VARIED
+from surefoot.records.audit.limit_sources import RIVALS, VARIED
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,9 @@ class RankLimits(Settings):
         high=1.0,
         tuned=VARIED + "0 to 0.806",
     )
-    unconverged_solver: float = setting(1.0, "-", "strength of unconverged solver", low=0.0, high=1.0)
+    unconverged_solver: float = setting(
+        1.0, "-", "strength of unconverged solver", low=0.0, high=1.0, tuned=RIVALS + "1 to 1"
+    )
     wrong_mass: float = setting(
         0.9, "-", "strength of wrong mass", low=0.0, high=1.0, tuned=VARIED + "0.894 to 0.906"
     )
@@ -56,7 +58,7 @@ class RankLimits(Settings):
     velocity_jump: float = setting(
         0.997, "-", "strength of velocity jump", low=0.0, high=1.0, tuned=VARIED + "0.897 to 0.997"
     )
-    pull: float = setting(0.97, "-", "strength of pull", low=0.0, high=1.0, tuned=VARIED + "0.87 to 0.976")
+    pull: float = setting(0.97, "-", "strength of pull", low=0.0, high=1.0, tuned=RIVALS + "0.87 to 0.97")
     coarse_facets: float = setting(
         0.995, "-", "strength of coarse facets", low=0.0, high=1.0, tuned=VARIED + "0.989 to 1"
     )
@@ -75,12 +77,14 @@ class RankLimits(Settings):
         0.98, "-", "strength of friction in the air", low=0.0, high=1.0, tuned=VARIED + "0.974 to 1"
     )
     friction_drives: float = setting(
-        0.992, "-", "strength of friction drives", low=0.0, high=1.0, tuned=VARIED + "0.986 to 1"
+        0.992, "-", "strength of friction drives", low=0.0, high=1.0, tuned=RIVALS + "0.986 to 0.992"
     )
     frictionless_slide: float = setting(
         0.986, "-", "strength of frictionless slide", low=0.0, high=1.0, tuned=VARIED + "0.98 to 0.992"
     )
-    pyramid_bias: float = setting(0.91, "-", "strength of pyramid bias", low=0.0, high=1.0)
+    pyramid_bias: float = setting(
+        0.91, "-", "strength of pyramid bias", low=0.0, high=1.0, tuned=RIVALS + "0 to 0.916"
+    )
     invisible_geometry: float = setting(
         0.95, "-", "strength of invisible geometry", low=0.0, high=1.0, tuned=VARIED + "0.944 to 0.956"
     )
@@ -91,7 +95,7 @@ class RankLimits(Settings):
         0.998, "-", "strength of starts in the ground", low=0.0, high=1.0, tuned=VARIED + "0.992 to 1"
     )
     deep_contact: float = setting(
-        0.9925, "-", "strength of deep contact", low=0.0, high=1.0, tuned=ALIKE + "0 to 1"
+        0.9925, "-", "strength of deep contact", low=0.0, high=1.0, tuned=RIVALS + "0.9925 to 1"
     )
     push_off_penetration: float = setting(
         0.97, "-", "strength of push off penetration", low=0.0, high=1.0, tuned=VARIED + "0.97 to 1"
@@ -102,7 +106,7 @@ class RankLimits(Settings):
         "strength of energy gain where nothing else is amiss",
         low=0.0,
         high=1.0,
-        tuned=ALIKE + "0 to 1",
+        tuned=RIVALS + "0.994 to 1",
     )
     energy_doubtful: float = setting(
         0.965, "-", "strength of energy gain otherwise", low=0.0, high=1.0, tuned=VARIED + "0 to 0.965"
@@ -125,7 +129,12 @@ class RankLimits(Settings):
         0.89, "-", "strength of chatter that breaks none", low=0.0, high=1.0, tuned=VARIED + "0.79 to 0.896"
     )
     skating: float = setting(
-        0.995, "-", "strength of skating that breaks a law", low=0.0, high=1.0, tuned=VARIED + "0.995 to 1"
+        0.995,
+        "-",
+        "strength of skating that breaks a law",
+        low=0.0,
+        high=1.0,
+        tuned=RIVALS + "0.995 to 0.995",
     )
     skating_lawful: float = setting(
         0.9, "-", "strength of skating that breaks none", low=0.0, high=1.0, tuned=VARIED + "0 to 0.906"
@@ -134,15 +143,7 @@ class RankLimits(Settings):
         0.975, "-", "strength of one step impulse", low=0.0, high=1.0, tuned=VARIED + "0.875 to 1"
     )
     solver_asymmetry: float = setting(
-        0.9,
-        "-",
-        "strength of solver asymmetry where torques agree with forces",
-        low=0.0,
-        high=1.0,
-        tuned=ALIKE + "0 to 1",
-    )
-    asymmetry_doubtful: float = setting(
-        0.6, "-", "strength of solver asymmetry otherwise", low=0.0, high=1.0, tuned=VARIED + "0 to 0.7"
+        0.6, "-", "strength of solver asymmetry", low=0.0, high=1.0, tuned=RIVALS + "0 to 0.7"
     )
     turn_of_many: float = setting(
         0.006,
@@ -199,12 +200,19 @@ class RankLimits(Settings):
         tuned=VARIED + "0.992 to 1",
     )
     clipped_flat: float = setting(
-        0.985, "-", "strength of clipping whose true force does not vary", low=0.0, high=1.0
+        0.985,
+        "-",
+        "strength of clipping whose true force does not vary",
+        low=0.0,
+        high=1.0,
+        tuned=RIVALS + "0.979 to 1",
     )
     phantom_force: float = setting(
         0.98, "-", "strength of phantom force", low=0.0, high=1.0, tuned=VARIED + "0.974 to 1"
     )
-    joint_stop: float = setting(1.0, "-", "strength of joint stop", low=0.0, high=1.0)
+    joint_stop: float = setting(
+        1.0, "-", "strength of joint stop", low=0.0, high=1.0, tuned=RIVALS + "1 to 1"
+    )
     dead_torque: float = setting(
         1.0, "-", "strength of dead torque", low=0.0, high=1.0, tuned=VARIED + "0.994 to 1"
     )

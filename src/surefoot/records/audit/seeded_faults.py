@@ -268,11 +268,11 @@ def _diagonal(c: LogCopy, amplitude: float) -> FaultyLog | None:
     forces = c.arrays["forces"] = c.arrays["forces"] + change
     if (np.hypot(forces[..., 0], forces[..., 1]) > c.arrays["mu"][:, None] * forces[..., 2]).any():
         return None  # the lightened feet would slip
-    _shift_support(c, change)
+    shift_support(c, change)
     return c.whole()
 
 
-def _shift_support(c: LogCopy, change: FloatArray) -> None:
+def shift_support(c: LogCopy, change: FloatArray) -> None:
     """Let the joint torques carry a change of the forces (T, p, 3), contact frames."""
     import pinocchio
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from surefoot.base.settings import Settings, setting
-from surefoot.records.audit.limit_sources import ALIKE, VARIED
+from surefoot.records.audit.limit_sources import RIVALS, VARIED
 
 
 @dataclass(frozen=True)
@@ -210,7 +210,7 @@ class MeasuredLimits(Settings):
         "rad, m",
         "distance from the end of a joint's range at which it is at its stop",
         low=0.0,
-        tuned=VARIED + "3.333e-06 to 0.3",
+        tuned=RIVALS + "0.003333 to 0.01",
     )
     stop_share: float = setting(
         0.3,
@@ -218,7 +218,7 @@ class MeasuredLimits(Settings):
         "share of the rows in which a joint is at its stop",
         low=0.0,
         high=1.0,
-        tuned=ALIKE + "0.0001 to 1",
+        tuned=RIVALS + "0.3 to 0.3",
     )
     flat: float = setting(
         0.01,
@@ -226,6 +226,15 @@ class MeasuredLimits(Settings):
         "standard deviation of a force that no scale makes constant",
         low=0.0,
         tuned=VARIED + "0.0003333 to 0.03",
+    )
+    explained: float = setting(
+        0.9,
+        "-",
+        "share of the mismatch that a mirror, the other sign, a factor, a constant or another foot's force "
+        "must explain to be named; and of other feet's mismatch a turn",
+        low=0.0,
+        high=1.0,
+        tuned=RIVALS + "0 to 0.9667",
     )
     turn: float = setting(
         3.0, "deg", "turn of forces that is a wrong frame", low=0.0, tuned=VARIED + "0.1 to 9"
@@ -245,22 +254,6 @@ class MeasuredLimits(Settings):
         low=0.0,
         tuned=VARIED + "0.0003333 to 0.03",
     )
-    turn_left: float = setting(
-        0.1,
-        "-",
-        "share of the other feet's mismatch that may be left by the same turn",
-        low=0.0,
-        high=1.0,
-        tuned=ALIKE + "3.333e-05 to 1",
-    )
-    mirror_share: float = setting(
-        0.9,
-        "-",
-        "share of the mismatch that a mirror explains",
-        low=0.0,
-        high=1.0,
-        tuned=ALIKE + "0 to 1",
-    )
     reversed_pull: float = setting(
         0.05,
         "m g",
@@ -268,38 +261,11 @@ class MeasuredLimits(Settings):
         low=0.0,
         tuned=VARIED + "1.667e-05 to 0.15",
     )
-    reversed_share: float = setting(
-        0.9,
-        "-",
-        "share of the mismatch that the other sign explains",
-        low=0.0,
-        high=1.0,
-        tuned=ALIKE + "0 to 1",
-    )
     scale_least: float = setting(
         0.02, "-", "least factor of forces that is a scale", low=0.0, tuned=VARIED + "0.0006667 to 0.06"
     )
     scale_change: float = setting(
         0.02, "-", "least difference of that factor from one", low=0.0, tuned=VARIED + "0.0006667 to 0.06"
-    )
-    scale_share: float = setting(
-        0.9,
-        "-",
-        "share of the mismatch that a factor explains",
-        low=0.0,
-        high=1.0,
-        tuned=VARIED + "0 to 0.9667",
-    )
-    bias_share: float = setting(
-        0.9,
-        "-",
-        "share of the mismatch that a constant explains",
-        low=0.0,
-        high=1.0,
-        tuned=ALIKE + "0 to 1",
-    )
-    bias_air: float = setting(
-        0.03, "m g", "force below which a foot is in the air", low=0.0, tuned=ALIKE + "1e-05 to 90"
     )
     bias_flies: float = setting(
         0.1,
@@ -307,7 +273,7 @@ class MeasuredLimits(Settings):
         "share of the rows in the air from which a constant is told from a factor",
         low=0.0,
         high=1.0,
-        tuned=ALIKE + "3.333e-05 to 1",
+        tuned=RIVALS + "0.03333 to 1",
     )
     delay_most: float = setting(
         0.08, "s", "largest shift in time that is tried", low=0.0, tuned=VARIED + "0.02667 to 2.4"
@@ -321,14 +287,6 @@ class MeasuredLimits(Settings):
         tuned=VARIED + "0.02667 to 0.8",
     )
     delay_rows: int = setting(3, "-", "least shift", low=1, tuned=VARIED + "1 to 7")
-    swap_share: float = setting(
-        0.9,
-        "-",
-        "share of the mismatch that another foot's force explains",
-        low=0.0,
-        high=1.0,
-        tuned=ALIKE + "0 to 1",
-    )
     dropout_load: float = setting(
         0.04, "m g", "true force from which a foot carries", low=0.0, tuned=VARIED + "0.001333 to 0.12"
     )
@@ -363,24 +321,21 @@ class MeasuredLimits(Settings):
         "m g",
         "true force below a clipped one that rounding and smoothing allow",
         low=0.0,
-        tuned=ALIKE + "3.333e-06 to 30",
+        tuned=RIVALS + "3.333e-06 to 0.03",
     )
     phantom_gap: float = setting(
         0.001, "m", "gap from which a foot is in the air", low=0.0, tuned=VARIED + "3.333e-07 to 0.03"
     )
-    phantom_true: float = setting(
-        0.03, "m g", "true force below which a leg carries nothing", low=0.0, tuned=VARIED + "0.001 to 90"
+    unloaded: float = setting(
+        0.03, "m g", "true force below which a leg carries nothing", low=0.0, tuned=RIVALS + "0.001 to 0.09"
     )
     phantom_air: float = setting(
-        0.5, "-", "share of the rows in the air", low=0.0, high=1.0, tuned=VARIED + "0.5 to 0.5"
-    )
-    phantom_share: float = setting(
-        0.8,
+        0.5,
         "-",
-        "share of those rows in which the leg carries nothing",
+        "share of the rows in which a foot is in the air and its leg carries nothing",
         low=0.0,
         high=1.0,
-        tuned=ALIKE + "0.0002667 to 1",
+        tuned=RIVALS + "0.5 to 0.5",
     )
     dead_share: float = setting(
         0.9,
@@ -388,7 +343,7 @@ class MeasuredLimits(Settings):
         "share of the rows in which a dead joint has no torque",
         low=0.0,
         high=1.0,
-        tuned=VARIED + "0 to 0.9",
+        tuned=RIVALS + "0.7 to 0.9",
     )
     torques_body: float = setting(
         0.02,

@@ -12,7 +12,7 @@ from surefoot.base.arrays import BoolArray, FloatArray, of_kind
 from surefoot.base.errors import ProblemError, check_name
 from surefoot.base.spatial import GRAVITY
 from surefoot.records.audit.laws import LawFigures, contact_use, friction_of, log_laws
-from surefoot.records.audit.limits import LIMITS
+from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.audit.motion import finite, foot_forces, slips, touching
 from surefoot.records.audit.pressure import sole_pressures
 from surefoot.records.audit.summary.motor_summary import MotorUse, limits_broken, motor_use
@@ -138,7 +138,9 @@ def _plain(value: Any) -> Any:
     return [_plain(one) for one in value] if isinstance(value, list) else value
 
 
-def shared_fields(log: Log, judge: Callable[[float], str], good: str, steps: bool) -> dict[str, Any]:
+def shared_fields(
+    log: Log, judge: Callable[[float], str], good: str, steps: bool, limits: AuditLimits = LIMITS
+) -> dict[str, Any]:
     """Return the fields of `RunSummary` for a log.
 
     Parameters
@@ -151,12 +153,14 @@ def shared_fields(log: Log, judge: Callable[[float], str], good: str, steps: boo
         The outcome that is a success.
     steps
         Whether footfalls are counted.
+    limits
+        What laws, slips and motors are judged by.
     """
-    weight, laws = log.fact("mass") * GRAVITY, log_laws(log)
-    feet = _feet(log, weight, touching(log) if steps else None)
+    weight, laws = log.fact("mass") * GRAVITY, log_laws(log, limits)
+    feet = _feet(log, weight, touching(log) if steps else None, limits)
     outcome = judge(max(foot.slip for foot in feet))
     time, use = 1e6 * np.asarray(log["controller_time"]), np.abs(log["torques"]) / log.fact("effort_limits")
-    motors = motor_use(log)
+    motors = motor_use(log, limits)
     duration, wall = len(log) * log.fact("dt"), log.fact("wall_time")
     return {
         "robot": log.fact("robot"),
@@ -166,7 +170,7 @@ def shared_fields(log: Log, judge: Callable[[float], str], good: str, steps: boo
         "success": outcome == good,
         "error": str(log.facts.get("error", "")),
         "laws_judged": list(laws.judged),
-        "laws_broken": laws.broken(weight),
+        "laws_broken": laws.broken(weight, limits),
         "limits_broken": limits_broken(log, motors),
         "motors": motors,
         "feet": feet,
@@ -196,14 +200,15 @@ def ending_of(log: Log) -> Ending:
     return Ending(outcome) if finite(log) else Ending.INVALID
 
 
-def _feet(log: Log, weight: float, down: BoolArray | None) -> list[FootSummary]:
+def _feet(log: Log, weight: float, down: BoolArray | None, limits: AuditLimits) -> list[FootSummary]:
     """Return what every foot did; `down` says when it was on the ground, (T, n)."""
-    owner, slip, total = log.fact("contact_foot"), slips(log), foot_forces(log)
+    owner, slip, total = log.fact("contact_foot"), slips(log, limits), foot_forces(log)
     margins = {sole.foot: sole.margin for sole in sole_pressures(log)}
     friction = friction_of(log)
     if friction.ndim == 2:  # of a foot: where it has most
         friction = np.column_stack([friction[:, owner == k].max(axis=1) for k in range(total.shape[1])])
-    use = contact_use(total, friction, LIMITS.laws.loaded * weight).max(axis=0)
+    laws = limits.laws
+    use = contact_use(total, friction, laws.loaded * weight, laws.least_friction).max(axis=0)
     out = []
     for k, name in enumerate(log.fact("feet")):
         mean = float(total[:, k, 2].mean())

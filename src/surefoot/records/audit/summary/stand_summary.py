@@ -45,7 +45,7 @@ class StandSummary(RunSummary):
 
 
 def summarise_stand(log: Log, limits: AuditLimits = LIMITS) -> StandSummary:
-    """Return the summary of a stand, its outcome by limits.
+    """Return the summary of a stand, judged by limits.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def summarise_stand(log: Log, limits: AuditLimits = LIMITS) -> StandSummary:
         return _outcome(log, ended, slip, base, limits)
 
     return StandSummary(
-        **shared_fields(log, judge, StandSummary.success_key, steps=False),
+        **shared_fields(log, judge, StandSummary.success_key, steps=False, limits=limits),
         normal_force_total_mean=float(log["forces"][..., 2].sum(axis=1).mean()),
         attained_share=float(np.mean(log["attained"])),
         base=base,

@@ -98,7 +98,7 @@ class WalkSummary(RunSummary):
 
 
 def summarise_walk(log: Log, limits: AuditLimits = LIMITS) -> WalkSummary:
-    """Return the summary of a walk, its outcome by limits.
+    """Return the summary of a walk, judged by limits.
 
     Raises
     ------
@@ -115,7 +115,7 @@ def summarise_walk(log: Log, limits: AuditLimits = LIMITS) -> WalkSummary:
 
     up = rotation_from_quaternion(q[:, 3:7])[:, :, 2]
     return WalkSummary(
-        **shared_fields(log, judge, WalkSummary.success_key, steps=True),
+        **shared_fields(log, judge, WalkSummary.success_key, steps=True, limits=limits),
         gait=log.fact("gait"),
         velocity=velocity,
         commanded_cone_excess=float(commanded_excess(log).max()),

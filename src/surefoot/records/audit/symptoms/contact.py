@@ -312,5 +312,4 @@ def one_step_impulse(e: Episode) -> Evidence | None:
 def solver_asymmetry(e: Episode) -> Evidence | None:
     """Tell whether one diagonal of feet carries more than the other, for no reason of the motion's."""
     text = f"one diagonal carries {e.failed['lean'].value:.2g} m g more than the other"
-    ranks = e.limits.ranks
-    return Evidence(ranks.solver_asymmetry if e.consistent else ranks.asymmetry_doubtful, text)
+    return Evidence(e.limits.ranks.solver_asymmetry, text)

@@ -54,7 +54,8 @@ def _same_turn(e: Episode, turn: FloatArray) -> bool:
     amiss = float(((logged - true)[known] ** 2).sum())
     if amiss < (limits.turn_amiss * e.weight) ** 2 * known.sum():
         return False
-    return float(((logged - true @ turn.T)[known] ** 2).sum()) < limits.turn_left * amiss
+    left = float(((logged - true @ turn.T)[known] ** 2).sum())
+    return left < (1.0 - limits.explained) * amiss
 
 
 @symptom(
@@ -68,7 +69,7 @@ def _same_turn(e: Episode, turn: FloatArray) -> bool:
 def mirrored(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether the logged force is the true one, (m, 3) [N], in a mirror."""
     best, which = max((e.share_explained(true * sign), k) for k, sign in enumerate(_SIGNS))
-    if best < e.limits.measured.mirror_share:
+    if best < e.limits.measured.explained:
         return None
     return Evidence(
         best - e.limits.ranks.mirror,
@@ -91,7 +92,7 @@ def reversed_force(e: Episode) -> Evidence | None:
             return Evidence(e.limits.ranks.reversed_pull, "the ground pulls at all feet together")
         return None
     share = e.share_explained(-true)
-    if share <= limits.reversed_share:
+    if share < limits.explained:
         return None
     return Evidence(share, f"the sign reversed explains {100 * share:.0f} % of the mismatch")
 
@@ -109,7 +110,7 @@ def wrong_scale(e: Episode, true: FloatArray) -> Evidence | None:
     known, limits = np.isfinite(true).all(axis=1), e.limits.measured
     factor = float((e.force[known] * true[known]).sum() / max(float((true[known] ** 2).sum()), 1e-12))
     share = e.share_explained(factor * true)
-    if factor <= limits.scale_least or abs(factor - 1.0) < limits.scale_change or share < limits.scale_share:
+    if factor <= limits.scale_least or abs(factor - 1.0) < limits.scale_change or share < limits.explained:
         return None
     return Evidence(
         share - e.limits.ranks.scale,
@@ -129,9 +130,9 @@ def bias(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether a constant has been added to the true force, (m, 3) [N]."""
     offset, limits, ranks = np.nanmean(e.force - true, axis=0), e.limits.measured, e.limits.ranks
     share = e.share_explained(true + offset)
-    if share < limits.bias_share:
+    if share < limits.explained:
         return None
-    air = np.linalg.norm(np.nan_to_num(true), axis=1) < limits.bias_air * e.weight
+    air = np.linalg.norm(np.nan_to_num(true), axis=1) < limits.unloaded * e.weight
     flies = bool(air.mean() > limits.bias_flies)
     doubt = (
         ranks.bias_in_flight if flies else ranks.bias_on_ground
@@ -177,7 +178,7 @@ def swapped_feet(e: Episode, true: FloatArray) -> Evidence | None:
     others = [k for k in range(e.rows.points) if k != e.column]
     fits = [(e.share_explained(theirs), k) for k in others if (theirs := e.true_of(k)) is not None]
     share, other = max(fits, default=(0.0, 0))
-    if share < e.limits.measured.swap_share:
+    if share < e.limits.measured.explained:
         return None
     return Evidence(
         share,
@@ -263,8 +264,8 @@ def phantom_force(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether a sensor reports force in the air, where the true one, (m, 3) [N], is none."""
     limits = e.limits.measured
     air = e.gap > limits.phantom_gap
-    none = np.linalg.norm(true[air], axis=1) < limits.phantom_true * e.weight
-    if air.mean() < limits.phantom_air or none.mean() < limits.phantom_share:
+    none = np.linalg.norm(true, axis=1) < limits.unloaded * e.weight
+    if (air & none).mean() < limits.phantom_air:
         return None
     text = f"{float(np.abs(e.force[air, 2]).max()):.3g} N while the leg carries nothing"
     return Evidence(e.limits.ranks.phantom_force, text)
