@@ -27,8 +27,9 @@ HEAVY = 50_000
 FIRST_TRY = (0.3, 50, 8, 6)
 """Newton on blocks: the proximal term's share, sweeps after a step, patience, and steps without a guess."""
 EARLY = 300
-"""Steps and sweeps of Newton before a method that comes between: most walls and piles of a hundred contacts are
-solved by then, an order sooner than by the interior point; cups, which only that solves well, pay twice."""
+"""Steps and sweeps of Newton before a method that comes between: most walls and piles of a hundred contacts
+are solved by then, an order sooner than by the interior point; cups, which only that solves well, pay
+twice."""
 FINISH = (0.1, 50, 5)
 """Newton from the forces of ADMM: share, sweeps, patience."""
 
