@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, IntArray, finite_array, real_number
 from surefoot.base.errors import ModelError, ProblemError, check_name
+from surefoot.base.numerics.vectors import finite_vector
 from surefoot.base.spatial import GRAVITY
-from surefoot.mechanics import Robot, Terrain, file_actuators, finite_vector, mujoco_line, with_rotors
+from surefoot.mechanics import Robot, Terrain, file_actuators, mujoco_line, with_rotors
 from surefoot.records import Log
 from surefoot.worlds.interface.world import ground_of
 from surefoot.worlds.mujoco.actuators import Drives

@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike
 from surefoot.base.arrays import FloatArray, IntArray, finite_array, real_number, whole_number
 from surefoot.base.errors import SimulationError
 from surefoot.base.kernels import VECTOR, entry_point
-from surefoot.base.numerics.vectors import largest
+from surefoot.base.numerics.vectors import finite_vector, largest
 from surefoot.base.spatial import base_velocity, quaternion_wxyz
-from surefoot.mechanics import Actuators, Geometry, Robot, Terrain, finite_vector, surface_frames
+from surefoot.mechanics import Actuators, Geometry, Robot, Terrain, surface_frames
 from surefoot.records import Log
 from surefoot.worlds.interface.actuated import equipped
 from surefoot.worlds.interface.world import ContactReading, ground_of
