@@ -58,11 +58,11 @@ def time_knot(robot: Robot, repeats: int) -> dict[str, float]:
         loop()
         return least(loop, repeats) / block
 
-    knot.step(q, v, torques, MU)
+    step = knot.step(q, v, torques, MU)
     return {
         "step": many(lambda: knot.step(q, v, torques, MU)),
-        "derivative": many(lambda: knot.derivative(0.0, out)),
-        "smoothed derivative": many(lambda: knot.derivative(SMOOTHING, out)),
+        "derivative": many(lambda: knot.derivative(step, 0.0, out)),
+        "smoothed derivative": many(lambda: knot.derivative(step, SMOOTHING, out)),
     }
 
 

@@ -11,7 +11,6 @@ from .collision.solids import Geometry as Geometry
 from .collision.solids import Solid as Solid
 from .dynamics.arithmetic import apply_impulses as apply_impulses
 from .dynamics.arithmetic import assemble as assemble
-from .dynamics.bodies import finite_vector as finite_vector
 from .dynamics.bodies import loaded_model as loaded_model
 from .dynamics.bodies import loaded_robot as loaded_robot
 from .dynamics.derivative.impact import InputRates as InputRates
@@ -22,6 +21,7 @@ from .dynamics.derivative.step_derivative import stages_of as stages_of
 from .dynamics.derivative.step_derivative import step_derivative as step_derivative
 from .dynamics.error_control import ErrorControl as ErrorControl
 from .dynamics.knot import Knot as Knot
+from .dynamics.knot import KnotStep as KnotStep
 from .dynamics.momentum_knot import MomentumKnot as MomentumKnot
 from .dynamics.momentum_knot import velocity_of_way as velocity_of_way
 from .dynamics.options import StepOptions as StepOptions

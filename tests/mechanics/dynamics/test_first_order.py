@@ -6,7 +6,9 @@ the problems are solved to 1e-13, because their derivative is taken at the force
 
 from __future__ import annotations
 
+import copy
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pinocchio
@@ -16,7 +18,7 @@ import surefoot as sf
 from surefoot.base.errors import NoSolution, SimulationError
 from surefoot.base.spatial import GRAVITY
 from surefoot.laws import SpringDamper
-from surefoot.mechanics.dynamics import Knot, State, Step, StepOptions, Stepper, step_derivative
+from surefoot.mechanics.dynamics import Knot, MomentumKnot, State, Step, StepOptions, Stepper, step_derivative
 from surefoot.mechanics.robot.jacobians import attach
 from surefoot.mechanics.terrain import Terrain
 from surefoot.worlds.rigid.bodies import ball, box, falling_cat
@@ -87,14 +89,15 @@ def test_blocks_are_those_of_differences_and_of_the_knot(name, terrain, height, 
         # what the compiled pipeline fills is the same
         knot, seen = Knot(stepper), seen | set(d.modes)
         d = step_derivative(stepper, state, torques, 0.0 * PUSH, mu)  # a pushed step locates no impact
-        assert knot.step(q, v, torques, mu)
-        A, B = knot.derivative()
+        step = knot.step(q, v, torques, mu)
+        assert step.solved
+        A, B, by_mu = knot.derivative(step)
         assert pytest.approx(A, abs=1e-11 * np.abs(A).max()) == d.A
         assert pytest.approx(B, abs=1e-11) == d.B
-        assert knot.by_mu == pytest.approx(d.mu, abs=1e-10)
-        assert knot.q == pytest.approx(d.step.state.q, abs=1e-12)
-        assert knot.v == pytest.approx(d.step.state.v, abs=1e-10)
-        assert knot.impulses == pytest.approx(d.step.impulses, abs=1e-10)
+        assert by_mu == pytest.approx(d.mu, abs=1e-10)
+        assert step.q == pytest.approx(d.step.state.q, abs=1e-12)
+        assert step.v == pytest.approx(d.step.state.v, abs=1e-10)
+        assert step.impulses == pytest.approx(d.step.impulses, abs=1e-10)
     assert height > 0.1 or seen & {"stick", "slide"}
 
 
@@ -196,16 +199,17 @@ def test_forces_of_a_fall_are_lawful() -> None:
 def test_smoothing_is_the_slope_of_the_central_path(law: str, height: float) -> None:
     robot, q, v, torques = scene("go2", sf.SlopeTerrain(10.0), height, 2)
     knot = Knot(Stepper(robot, sf.SlopeTerrain(10.0), replace(OPTIONS, law=law)))
-    exact, off = knot_at(knot, q, v, torques)[0].derivative()[0].copy(), []
+    step = knot.step(q, v, torques, 0.5)
+    exact, off = knot.derivative(step).A, []
     for kappa in (1e-2, 1e-4, 1e-7):
-        A, B = knot_at(knot, q, v, torques)[0].derivative(kappa)
+        A, B, _ = knot.derivative(step, kappa)
         off.append(np.abs(A - exact).max())
         if kappa < 1e-4:
             continue
         for k, way in enumerate(np.random.default_rng(3).normal(size=(3, 48))):
             ends = [
-                knot_at(knot, pinocchio.integrate(robot.model, q, w * way[:18]), v + w * way[18:36],
-                        torques + w * way[36:], kappa)[1]
+                speed_on_path(knot, pinocchio.integrate(robot.model, q, w * way[:18]), v + w * way[18:36],
+                              torques + w * way[36:], kappa)
                 for w in (-STEP, STEP)
             ]  # fmt: skip
             wanted, found = (ends[1] - ends[0]) / (2.0 * STEP), A[18:] @ way[:36] + B[18:] @ way[36:]
@@ -214,12 +218,11 @@ def test_smoothing_is_the_slope_of_the_central_path(law: str, height: float) -> 
     assert off[2] < 1e-2 * off[0]
 
 
-def knot_at(
-    knot: Knot, q: np.ndarray, v: np.ndarray, torques: np.ndarray, kappa: float = 1.0
-) -> tuple[Knot, np.ndarray]:
-    """Return a knot after a step, and the velocity that it has on the central path."""
-    assert knot.step(q, v, torques, 0.5)
-    return knot, knot._exchange_on_path(kappa)[-1]
+def speed_on_path(knot: Knot, q: np.ndarray, v: np.ndarray, torques: np.ndarray, kappa: float) -> np.ndarray:
+    """Return the velocity that a step has on the central path."""
+    step = knot.step(q, v, torques, 0.5)
+    assert step.solved
+    return knot._exchange_on_path(step, kappa)[-1]
 
 
 def test_outputs_are_the_callers_and_a_step_depends_on_its_arguments_alone() -> None:
@@ -227,35 +230,60 @@ def test_outputs_are_the_callers_and_a_step_depends_on_its_arguments_alone() -> 
     stepper = Stepper(robot, ROUGH, OPTIONS)
     knot, A, B = Knot(stepper), np.full((36, 36), np.nan), np.full((36, 12), np.nan)
     place, speed = q.copy(), v.copy()
-    assert knot.step(place, speed, torques)
+    step = knot.step(place, speed, torques)
+    assert step.solved
     place[:], speed[:] = robot.nominal, 0.0  # the caller goes on in place
     stepper.step(stepper.start(robot.nominal), torques)  # the knot keeps its own arrays
-    found = knot.derivative(out=(A, B))
-    assert found[0] is A
-    assert found[1] is B
+    found = knot.derivative(step, out=(A, B))
+    assert found.A is A
+    assert found.B is B
     first = A.copy()
-    knot.step(robot.nominal, v, 0.0 * torques, 0.3)
-    knot.derivative(1e-3)
-    knot.step(q, v, torques)
-    assert np.array_equal(knot.derivative()[0], first)
+    knot.derivative(knot.step(robot.nominal, v, 0.0 * torques, 0.3), 1e-3)
+    assert np.array_equal(knot.derivative(knot.step(q, v, torques)).A, first)
+
+
+@pytest.mark.parametrize("kind", [Knot, MomentumKnot])
+@pytest.mark.parametrize("terrain", [sf.SlopeTerrain(10.0), ROUGH])
+def test_a_step_is_a_value(kind: type[Knot], terrain: sf.Terrain) -> None:
+    """What a knot does later changes no step, and any knot of the same robot differentiates it alike."""
+    robot, q, v, torques = scene("go2", terrain, 3e-4, 0)
+    knot, other = (kind(Stepper(robot, terrain, OPTIONS)) for _ in range(2))
+    step = knot.step(q, v, torques, 0.5)
+    kept, wanted = copy.deepcopy(step), [knot.derivative(step, kappa) for kappa in (0.0, 1e-3)]
+    rates = knot.contact_rates(step)
+    later = knot.step(robot.nominal, -v, 0.0 * torques, 0.3)
+    knot.derivative(later, 1e-2)
+    assert same(step, kept)
+    for who in (knot, other):
+        assert same([who.derivative(step, kappa) for kappa in (0.0, 1e-3)], wanted)
+        assert np.array_equal(who.contact_rates(step), rates)
+
+
+def same(one: Any, other: Any) -> bool:
+    """Return whether values are equal to the last bit, arrays in tuples included."""
+    if isinstance(one, tuple | list):
+        return len(one) == len(other) and all(map(same, one, other))
+    return np.array_equal(one, other)
 
 
 def test_other_solvers_and_lost_motion() -> None:
     robot, q, v, torques = scene("go2", sf.FlatTerrain(), 3e-4, 0)
     knot = Knot(Stepper(robot, options=OPTIONS))
     other = Knot(Stepper(robot, options=replace(OPTIONS, solver="nsgs", solver_tol=1e-10)))
-    assert knot.step(q, v, torques)
-    assert other.step(q, v, torques)
-    assert other.v == pytest.approx(knot.v, abs=1e-7)
-    assert other.derivative()[0] == pytest.approx(knot.derivative()[0], abs=1e-4)
-    assert not knot.step(q, np.full(18, 1e200), torques)
-    assert np.isnan(knot.v).all()
+    step, far = (one.step(q, v, torques) for one in (knot, other))
+    assert step.solved
+    assert far.solved
+    assert far.v == pytest.approx(step.v, abs=1e-7)
+    assert pytest.approx(knot.derivative(step).A, abs=1e-4) == other.derivative(far).A
+    lost = knot.step(q, np.full(18, 1e200), torques)
+    assert not lost.solved
+    assert np.isnan(lost.v).all()
     with pytest.raises(NoSolution):
-        knot.derivative()
+        knot.derivative(lost)
     with pytest.raises(SimulationError):
         step_derivative(knot.stepper, State(q, np.full(18, 1e200)), torques)
     unsolved = Stepper(robot, options=replace(OPTIONS, solver_tol=1e-300))
-    assert not Knot(unsolved).step(q, v, torques)
+    assert not Knot(unsolved).step(q, v, torques).solved
     with pytest.raises(NoSolution):
         step_derivative(unsolved, unsolved.start(q, v), torques)
 
@@ -282,11 +310,11 @@ def test_wrong_arguments_are_named() -> None:
     ):
         with pytest.raises(sf.ProblemError, match=name):
             knot.step(*arguments)
-    knot.step(q, np.zeros(18), np.zeros(12))
+    step = knot.step(q, np.zeros(18), np.zeros(12))
     with pytest.raises(sf.ProblemError, match="A of out"):
-        knot.derivative(out=(np.empty((36, 36)).T, np.empty((36, 12))))
+        knot.derivative(step, out=(np.empty((36, 36)).T, np.empty((36, 12))))
     with pytest.raises(sf.ProblemError, match="smoothing"):
-        knot.derivative(-1.0)
+        knot.derivative(step, -1.0)
 
 
 def test_bodies_without_joints_or_contact_points() -> None:

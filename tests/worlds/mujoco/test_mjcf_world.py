@@ -198,7 +198,7 @@ def test_ground_that_is_ours_is_as_soft_as_the_files_feet(tmp_path: Path) -> Non
             world.step(400.0 * (robot.nominal[7:] - q[7:]) - 8.0 * v[6:])
         depths[softness] = -world.contacts().gaps.mean()
     assert depths[""] < 1e-4
-    d, tc, foot = 0.9, 0.02, world.model.geom_bodyid[world._geoms[0]]  # k = 1 / (d tc)²
+    d, tc, foot = 0.9, 0.02, world.model.geom_bodyid[world._reader.feet.geoms[0]]  # k = 1 / (d tc)²
     inverse, load = world.model.body_invweight0[foot, 0], robot.mass * 9.81 / 4
     assert depths['solimp="0.9 0.9 0.001"'] == pytest.approx((1 - d) * inverse * load * tc**2, rel=0.05)
     assert depths['solref="0.04 1"'] > 1e-3

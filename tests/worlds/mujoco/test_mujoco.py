@@ -68,7 +68,7 @@ def test_parity_with_pinocchio(name: str) -> None:
             arm = place - data.oMf[foot.frame].translation
             np.testing.assert_allclose(J @ T, F[:3] - pin.skew(arm) @ F[3:], atol=1e-12)
             if not foot.flat:
-                assert k == world.contact_foot[list(world._geoms).index(geom)]
+                assert k == world.contact_foot[list(world._reader.feet.geoms).index(geom)]
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -104,7 +104,7 @@ def test_contact_forces_are_mujocos_own(degrees: float) -> None:
     wrench = np.zeros(6)
     for c in range(world.data.ncon):
         contact = world.data.contact[c]
-        point = list(world._geoms).index(int(contact.geom2))
+        point = list(world._reader.feet.geoms).index(int(contact.geom2))
         mujoco.mj_contactForce(world.model, world.data, c, wrench)
         want[point] += frame.T @ (contact.frame.reshape(3, 3).T @ wrench[:3])
         assert reading.gaps[point] == pytest.approx(contact.dist, abs=1e-12)

@@ -78,7 +78,7 @@ def strike(substeps: int) -> tuple[float, float]:
     q = start_pose(ROBOT, STAIRS)
     q[2] += 0.03
     world.reset(q)
-    q[0] -= max(world.data.geom_xpos[world._geoms, 0]) + 0.04  # the first riser is at x = 0
+    q[0] -= max(world.data.geom_xpos[world._reader.feet.geoms, 0]) + 0.04  # the first riser is at x = 0
     v = np.zeros(18)
     v[0], v[2] = 1.5, 0.15
     world.reset(q, v)

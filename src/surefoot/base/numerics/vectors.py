@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from surefoot.base.arrays import FloatArray
+from surefoot.base.arrays import FloatArray, finite_array
 from surefoot.base.kernels import inline_kernel, kernel
 
 Three = tuple[float, float, float]
+_FLOAT = np.dtype(np.float64)
 
 
 @inline_kernel
@@ -51,3 +52,15 @@ def largest(x: FloatArray) -> float:
         if not abs(x[i]) <= out:
             out = abs(x[i]) if abs(x[i]) < np.inf else np.inf
     return out
+
+
+def finite_vector(name: str, value: FloatArray, size: int) -> FloatArray:
+    """Return a finite (size,) array, in any unit; the fast way in for what is one already."""
+    if (
+        type(value) is np.ndarray
+        and value.dtype == _FLOAT
+        and value.shape == (size,)
+        and largest(value) < np.inf
+    ):
+        return value
+    return finite_array(name, value, (size,))

@@ -4,6 +4,7 @@ from surefoot.mechanics.dynamics.derivative.step_derivative import StepDerivativ
 from surefoot.mechanics.dynamics.derivative.step_derivative import step_derivative as step_derivative
 from surefoot.mechanics.dynamics.detection import Contacts as Contacts
 from surefoot.mechanics.dynamics.knot import Knot as Knot
+from surefoot.mechanics.dynamics.knot import KnotStep as KnotStep
 from surefoot.mechanics.dynamics.momentum_knot import MomentumKnot as MomentumKnot
 from surefoot.mechanics.dynamics.options import StepOptions as StepOptions
 from surefoot.mechanics.dynamics.state import State as State

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, finite_array
-from surefoot.base.numerics.vectors import largest
 from surefoot.mechanics.collision import Geometry
 from surefoot.mechanics.dynamics import arithmetic
 from surefoot.mechanics.dynamics.detection import TerrainDetection
@@ -17,8 +16,6 @@ from surefoot.mechanics.dynamics.free_motion import FreeMotion
 from surefoot.mechanics.dynamics.pair_detection import PairDetection
 from surefoot.mechanics.robot import Robot
 from surefoot.mechanics.terrain import Terrain
-
-_FLOAT = np.dtype(np.float64)
 
 
 class Bodies:
@@ -171,15 +168,3 @@ def loaded_robot(robot: Robot, payload: float) -> Robot:
     out.__dict__.pop("mass", None)  # a cached sum
     out.model, out.data = model, model.createData()
     return out
-
-
-def finite_vector(name: str, value: FloatArray, size: int) -> FloatArray:
-    """Return a finite (size,) array, in any unit; the fast way in for what is one already."""
-    if (
-        type(value) is np.ndarray
-        and value.dtype == _FLOAT
-        and value.shape == (size,)
-        and largest(value) < np.inf
-    ):
-        return value
-    return finite_array(name, value, (size,))

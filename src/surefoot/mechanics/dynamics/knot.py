@@ -1,19 +1,23 @@
-"""One knot of a plan: a first-order step and its dense derivative, in arrays that are made once.
+"""One knot of a plan: a first-order step and its dense derivative, as values.
 
 The same step as `Stepper.step` with `StepOptions(order=1)` and the same derivative as `step_derivative`,
 without the objects about them: a straight line of Pinocchio's calls and compiled ones (`knot_kernels`).
+A step is a `KnotStep`, which holds all that its derivative needs: a derivative may be taken at any time, and
+of any of the steps that a knot has taken.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray, real_number
 from surefoot.base.errors import NoSolution, ProblemError
+from surefoot.base.numerics.vectors import finite_vector
 from surefoot.contact import COMPILED_CONTACTS, ContactProblem
 from surefoot.mechanics.dynamics import arithmetic
 from surefoot.mechanics.dynamics import knot_kernels as kernels
-from surefoot.mechanics.dynamics.bodies import finite_vector
 from surefoot.mechanics.dynamics.derivative.contact_problem import Response
 from surefoot.mechanics.dynamics.derivative.flow import ordered
 from surefoot.mechanics.dynamics.derivative.points import ground_turn
@@ -27,28 +31,112 @@ Outputs = tuple[FloatArray, FloatArray]
 """A (2nv, 2nv) and B (2nv, joints)."""
 Linearisation = tuple[IntArray, FloatArray, FloatArray, FloatArray, FloatArray]
 """Contacts that take part, Y, derivatives of their impulses by g and mu; impulses and v⁺ where they hold."""
+Rates = tuple[FloatArray, FloatArray]
+"""Two derivatives (nv, nv)."""
+
+
+class BaseMomentum(NamedTuple):
+    """Momentum of the whole robot at a step's start, world axes about the centre of mass; see `MomentumKnot`.
+
+    Attributes
+    ----------
+    map
+        (6, nv) centroidal momentum matrix A_G [kg, kg m].
+    motion
+        (6, n) velocity of the centre of mass and rate of rotation by the base's n velocities.
+    arriving
+        (6,) momentum at the start of the way that led to q [N s, N m s].
+    effort
+        (n,) generalised forces in place of the base's rate of momentum [N, N m].
+    com, mass
+        (3,) centre of mass [m], and mass [kg].
+    """
+
+    map: FloatArray
+    motion: FloatArray
+    arriving: FloatArray
+    effort: FloatArray
+    com: FloatArray
+    mass: float
+
+
+class KnotStep(NamedTuple):
+    """A first-order step: where it leads, and what its derivative needs.
+
+    Attributes
+    ----------
+    q, v
+        (nq,) and (nv,) after the step; NaN where the motion is lost.
+    impulses
+        (p, 3) of the ground, in contact axes [N s].
+    solved
+        Whether its contact problem was solved to the tolerance.
+    start
+        (nq,) and (nv,) before the step.
+    mu
+        Friction of the ground [-].
+    contacts
+        The p contact points at the step's start.
+    twists, L
+        (nv, 6) of the joints, linear at the world's origin, world axes, and (nv, nv) lower factor of the mass
+        matrix, both at the step's start.
+    free
+        (nv,) velocity without the ground's forces.
+    near, problem
+        (k,) contacts of the problem, and the problem with its solution.
+    momentum
+        Of a step that keeps it; None for a plain one.
+    """
+
+    q: FloatArray
+    v: FloatArray
+    impulses: FloatArray
+    solved: bool
+    start: tuple[FloatArray, FloatArray]
+    mu: float
+    contacts: Contacts
+    twists: FloatArray
+    L: FloatArray
+    free: FloatArray
+    near: IntArray
+    problem: kernels.Problem
+    momentum: BaseMomentum | None
+
+    @property
+    def gaps(self) -> FloatArray:
+        """(p,) distances to the ground at the step's start [m]."""
+        return self.contacts.gaps
+
+    @property
+    def residual(self) -> float:
+        """Velocity error of the contact problem, see `Residuals`."""
+        record = self.problem[3]
+        return float(record[len(record) - 3, 0])
+
+
+class KnotDerivative(NamedTuple):
+    """Derivatives of (q, v) after a step.
+
+    Attributes
+    ----------
+    A, B
+        (2nv, 2nv) by (q, v) before the step, and (2nv, joints) by torques.
+    mu
+        (2nv,) by the friction of the ground.
+    """
+
+    A: FloatArray
+    B: FloatArray
+    mu: FloatArray
 
 
 class Knot:
-    """Takes first-order steps and differentiates them; one per thread, since it keeps its arrays.
+    """Takes first-order steps and differentiates them; one per thread, since Pinocchio's data is its own.
 
     Parameters
     ----------
     stepper
         With `StepOptions(order=1)`.
-
-    Attributes
-    ----------
-    q, v
-        (nq,) and (nv,) after the last step.
-    impulses
-        (p, 3) of the ground, in contact axes [N s]; an array that the next step fills anew.
-    gaps
-        (p,) at the step's start [m]; likewise.
-    solved
-        Whether its contact problem was solved to the tolerance.
-    residual
-        Its velocity error, see `Residuals`.
 
     Raises
     ------
@@ -61,11 +149,10 @@ class Knot:
     >>> from surefoot.mechanics.dynamics import StepOptions
     >>> robot = load_robot("go2")
     >>> knot = Knot(Stepper(robot, options=StepOptions(dt=0.02, order=1)))
-    >>> knot.step(place(robot), np.zeros(18), np.zeros(12))
-    True
-    >>> A, B = knot.derivative()
-    >>> A.shape, B.shape, knot.impulses.shape
-    ((36, 36), (36, 12), (4, 3))
+    >>> step = knot.step(place(robot), np.zeros(18), np.zeros(12))
+    >>> A, B, by_mu = knot.derivative(step)
+    >>> step.solved, step.impulses.shape, A.shape, B.shape
+    (True, (4, 3), (36, 36), (36, 12))
     """
 
     def __init__(self, stepper: Stepper) -> None:
@@ -82,49 +169,29 @@ class Knot:
         self._dt = options.dt
         ordered(model)
         self._data = data = model.createData()
-        n, p = model.nv, len(points)
         self._first = np.concatenate([np.full(j.nv, j.idx_v, dtype=np.int64) for j in list(model.joints)[1:]])
-        self._crba, self._bias, self._place = (
-            pinocchio.crba,
-            pinocchio.nonLinearEffects,
-            pinocchio.updateFramePlacements,
-        )
+        self._crba, self._bias = pinocchio.crba, pinocchio.nonLinearEffects
+        self._place = pinocchio.updateFramePlacements
         self._inverse, self._world = pinocchio.computeRNEADerivatives, pinocchio.Convention.WORLD
         self._integrate, self._d_integrate = pinocchio.integrate, pinocchio.dIntegrate
-        # Pinocchio's own arrays, seen from here: they hold what its last call left
+        # Pinocchio's own arrays, seen from here: they hold what its last call left, so that no result is one
         self._upper, self._twists = data.M, data.J.T
         self._by_q, self._by_v = data.dtau_dq, data.dtau_dv
-        self._seen = [data.oMf[k].translation for k in contacts.spheres]
+        self._spheres = [data.oMf[k].translation for k in contacts.spheres]
         self._support, self._radii = points.support, points.radii
-        self._centres, self._positions = np.zeros((p, 3)), np.zeros((p, 3))
-        self.gaps, self._frames = ground.below(self._centres)
-        self._above, self._curved = ground.above, not stepper.terrain.planar
-        self._turns, self._slopes = np.zeros((2, p, 3, 3)), np.ascontiguousarray(self._frames[:, :, 2])
-        self._J, self._L, self.impulses = np.zeros((3 * p, n)), np.zeros((n, n)), np.zeros((p, 3))
-        self._settings = np.array(
-            [
-                options.dt,
-                options.restitution,
-                options.rest_speed,
-                options.pull,
-                options.solver_tol,
-                REACH,
-                0.0,
-            ]
+        # a plane's are the same at every step
+        self._curved, self._frames = not stepper.terrain.planar, ground.below(np.zeros((len(points), 3)))[1]
+        self._turns = np.zeros((2, *self._frames.shape))
+        self._slopes = np.ascontiguousarray(self._frames[:, :, 2])
+        self._settings = kernels.KnotSettings(
+            options.dt, options.restitution, options.rest_speed, options.pull, options.solver_tol, REACH
         )
         self._convex = options.problem_law == "convex"
-        self._quick = options.solver == "auto" and p <= COMPILED_CONTACTS
-        self._effort, self._base = np.zeros(n), stepper.robot.base_dof
-        self.solved = False
+        self._quick = options.solver == "auto" and len(points) <= COMPILED_CONTACTS
+        self._base = stepper.robot.base_dof
 
-    def step(
-        self,
-        q: FloatArray,
-        v: FloatArray,
-        torques: FloatArray,
-        mu: float = 0.6,
-    ) -> bool:
-        """Take the step from (nq,) q and (nv,) v; return whether its contact problem is solved.
+    def step(self, q: FloatArray, v: FloatArray, torques: FloatArray, mu: float = 0.6) -> KnotStep:
+        """Return the step from (nq,) q and (nv,) v.
 
         Parameters
         ----------
@@ -135,8 +202,8 @@ class Knot:
 
         Returns
         -------
-        bool
-            False also where the motion is lost: q and v are NaN then.
+        KnotStep
+            In arrays of its own.
 
         Raises
         ------
@@ -145,95 +212,104 @@ class Knot:
         """
         model, data = self._model, self._data
         # copies: the derivative wants them when the caller may have gone on in place
-        self._q = finite_vector("q", q, model.nq).copy()
-        self._v = finite_vector("v", v, model.nv).copy()
-        effort, self._mu = self._effort, mu
+        q = finite_vector("q", q, model.nq).copy()
+        v = finite_vector("v", v, model.nv).copy()
+        effort = np.zeros(model.nv)
         effort[self._base :] = finite_vector("torques", torques, self.stepper.robot.joints)
         if not 0.0 <= mu < np.inf:
             real_number("mu", mu, low=0.0)
-        self._crba(model, data, self._q, self._world)
+        self._crba(model, data, q, self._world)
         self._place(model, data)
-        effort = self._less_bias(effort)
-        for k, centre in enumerate(self._seen):
-            self._centres[k] = centre
+        net = np.asarray(effort - self._bias(model, data, q, v))
+        momentum = self._momentum_at(q, v)
+        if momentum is not None:
+            n = len(momentum.effort)
+            net[:n] += momentum.effort
+            effort[:n] += momentum.effort
+        return self._meet_ground((q, v), effort, net, mu, momentum)
+
+    def _meet_ground(
+        self, start: tuple[FloatArray, FloatArray], effort: FloatArray, net: FloatArray, mu: float,
+        momentum: BaseMomentum | None,
+    ) -> KnotStep:  # fmt: skip
+        """Return the step under generalised forces (nv,), without and with those of bias."""
+        p, n = len(self._radii), len(net)
+        centres, J, L = np.empty((p, 3)), np.zeros((3 * p, n)), np.zeros((n, n))
+        for k, centre in enumerate(self._spheres):
+            centres[k] = centre
+        gaps, frames = np.empty(p), self._frames  # over a plane the kernel fills the gaps
         if self._curved:
-            self.gaps, self._frames = self._ground.below(self._centres)
-        self._settings[kernels.MU] = mu if self._quick else 0.0
-        after = np.empty(model.nv)
-        code, self._free, self._near, self._problem = kernels.first_order_step(
+            gaps, below = self._ground.below(centres)
+            frames = below.copy()  # a work array of the ground's
+        contacts = Contacts(gaps, np.empty((p, 3)), frames, J)
+        impulses, after = np.empty((p, 3)), np.empty(n)
+        code, free, near, problem = kernels.first_order_step(
             (self._upper, self._twists, self._support, self._radii),
-            (self._centres, self._frames, self.gaps, self._above, self._positions),
-            self._v, effort, self._settings, self._convex, self._J, self._L, self.impulses, after,
+            (centres, frames, gaps, self._ground.above, contacts.positions),
+            start[1], net, self._settings, mu if self._quick else 0.0, self._convex, J, L, impulses, after,
         )  # fmt: skip
-        self.v = self._reached = after
-        self.solved = code == kernels.SOLVED
+        solved = code == kernels.SOLVED
+        q = self._end(start[0], after, momentum) if solved and self._quick else np.full_like(start[0], np.nan)
+        step = KnotStep(
+            q, after, impulses, solved, start, mu, contacts, self._twists.copy(), L, free, near, problem,
+            momentum,
+        )  # fmt: skip
+        if solved and self._quick:
+            return step
         try:
             if code == kernels.LOST:
                 raise LostMotion("velocity")
-            if not (self.solved and self._quick):
-                self._solve_again()
+            return self._solve_again(step, effort)
         except LostMotion:
-            self.q, self.v, self.solved = np.full(model.nq, np.nan), np.full(model.nv, np.nan), False
-            return False
-        self.q = self._configuration_after()
-        return self.solved
+            return step._replace(v=np.full(n, np.nan), solved=False)
 
-    def _less_bias(self, effort: FloatArray) -> FloatArray:
-        """Return an effort (nv,) less what keeps the velocity of the start as it is."""
-        return np.asarray(effort - self._bias(self._model, self._data, self._q, self._v))
+    def _momentum_at(self, q: FloatArray, v: FloatArray) -> BaseMomentum | None:
+        """Return the momentum that a step is to keep; none of the plain step, whose base has rows of M."""
+        del q, v
+        return None
 
-    def _configuration_after(self) -> FloatArray:
-        """Return where the velocity after the step leads (nq,)."""
-        return np.asarray(self._integrate(self._model, self._q, self._dt * self.v))
+    def _end(self, q: FloatArray, after: FloatArray, momentum: BaseMomentum | None) -> FloatArray:
+        """Return where (nv,) `after` leads from (nq,) q: (nq,)."""
+        del momentum
+        return np.asarray(self._integrate(self._model, q, self._dt * after))
 
-    @property
-    def residual(self) -> float:
-        """Velocity error of the contact problem, see `Residuals`."""
-        record = self._problem[3]
-        return float(record[len(record) - 3, 0])
-
-    @property
-    def jacobian(self) -> FloatArray:
-        """(3p, nv) of the contact points at the step's start, contact axes; filled anew by the next step."""
-        return self._J
-
-    @property
-    def moved(self) -> tuple[FloatArray, FloatArray]:
-        """(nv, nv) derivatives of q ⊕ dt v⁺ by q and by dt v⁺, of the last call of `derivative`."""
-        return self._moved
-
-    def contact_rates(self) -> FloatArray:
-        """Return the derivative (3p, nv) of the contact velocities J(q) v at the step's start by q."""
-        if self._curved:
-            self._look_below()
+    def contact_rates(self, step: KnotStep) -> FloatArray:
+        """Return the derivative (3p, nv) of the contact velocities J(q) v at a step's start by q."""
+        contacts, (turns, _) = step.contacts, self._ground_rates(step)
         return velocity_rates(
-            self._twists, self._first, self._support, self._positions, self._radii, self._frames, self._turns,
-            self._v,
+            step.twists, self._first, self._support, contacts.positions, self._radii, contacts.frames, turns,
+            step.start[1],
         )  # fmt: skip
 
-    def _solve_again(self) -> None:
-        """Take the step by all of `surefoot.solve`: the compiled solver failed, or another is asked for."""
-        step = self.stepper.take_first_order(State(self._q, self._v), self._effort, None, self._mu)
-        impact = step.impact
+    def _solve_again(self, step: KnotStep, effort: FloatArray) -> KnotStep:
+        """Return a step by all of `surefoot.solve`: the compiled solver failed, or another is asked for."""
+        taken = self.stepper.take_first_order(State(*step.start), effort, None, step.mu)
+        impact, problem = taken.impact, step.problem
         assert impact is not None
-        self.solved, self._near, self._free = step.unsolved == 0, impact.near, impact.free
-        self.v = self._reached = impact.after
-        self.impulses[:] = impact.impulses
         if impact.solution is not None and impact.rows is not None:
             p, s = impact.solution.problem, impact.solution
             numbers = np.zeros((3, 3))
             numbers[0, 0] = s.residuals.velocity_error
-            self._problem = impact.rows, p.G, p.g, np.vstack([s.forces, s.velocities, numbers])
+            problem = impact.rows, p.G, p.g, np.vstack([s.forces, s.velocities, numbers])
+        return step._replace(
+            q=self._end(step.start[0], impact.after, step.momentum), v=impact.after,
+            impulses=np.array(impact.impulses), solved=taken.unsolved == 0, free=impact.free,
+            near=impact.near, problem=problem,
+        )  # fmt: skip
 
-    def derivative(self, smoothing: float = 0.0, out: Outputs | None = None) -> Outputs:
-        """Return A (2nv, 2nv) and B (2nv, joints): (q, v) after the last step by that before and by torques.
+    def derivative(
+        self, step: KnotStep, smoothing: float = 0.0, out: Outputs | None = None
+    ) -> KnotDerivative:
+        """Return the derivative of (q, v) after a step by that before, by torques and by friction.
 
         Parameters
         ----------
+        step
+            A step of this knot, or of another one for the same robot, ground and options.
         smoothing
             See `step_derivative`.
         out
-            Arrays to be filled and returned, float64 and C-contiguous; None for new ones.
+            Arrays A and B to be filled and returned, float64 and C-contiguous; None for new ones.
 
         Raises
         ------
@@ -242,70 +318,69 @@ class Knot:
         ProblemError
             For arrays that do not fit, or a smoothing out of range.
         """
-        if not self.solved:
+        if not step.solved:
             raise NoSolution("no derivative of a step whose contact problem is not SOLVED")
-        n = self._first.size
+        n, contacts = self._first.size, step.contacts
         A, B = _outputs(out, (2 * n, 2 * n), (2 * n, n - self._base))
         near, Y, by_g, impulses, after = (
-            self._answer() if smoothing == 0.0 else self._exchange_on_path(smoothing)
+            self._answer(step) if smoothing == 0.0 else self._exchange_on_path(step, smoothing)
         )
-        dt, data = self._dt, self._data
-        if self._curved:
-            self._look_below()
-        self._inverse(self._model, data, self._q, self._v, (after - self._v) / dt)
-        self._correct_rates(after)
-        self._moved = self._way_rates(after)
-        self.by_mu = kernels.first_order_blocks(
-            (self._twists, self._first, self._support, self._positions, self._radii, self._frames,
-             self._turns),
-            (self.gaps, self._slopes, self._J), (self._v, self._free, after),
-            near, Y, by_g, impulses, self._settings, self._L, (self._by_q, self._by_v), self._moved, A, B,
+        turns, slopes = self._ground_rates(step)
+        dynamics, moved = self._rates(step, after)
+        by_mu = kernels.first_order_blocks(
+            (step.twists, self._first, self._support, contacts.positions, self._radii, contacts.frames,
+             turns),
+            (contacts.gaps, slopes, contacts.J), (step.start[1], step.free, after),
+            near, Y, by_g, impulses, self._settings, step.L, dynamics, moved, A, B,
         )  # fmt: skip
-        return A, B
+        return KnotDerivative(A, B, by_mu)
 
-    def _correct_rates(self, after: FloatArray) -> None:
-        """Leave the derivatives of inverse dynamics as they are: the plain step's."""
+    def _rates(self, step: KnotStep, after: FloatArray) -> tuple[Rates, Rates]:
+        """Return the derivatives of inverse dynamics by q and v, and of the way by q and by itself.
 
-    def _way_rates(self, after: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the derivatives (nv, nv) of the way by q and by the way that (nv,) `after` goes."""
-        by_q, by_way = self._d_integrate(self._model, self._q, self._dt * after)
-        return by_q, by_way
+        Both for the way that (nv,) `after` goes; the first two are Pinocchio's arrays, until its next call.
+        """
+        q, v = step.start
+        self._inverse(self._model, self._data, q, v, (after - v) / self._dt)
+        by_q, by_way = self._d_integrate(self._model, q, self._dt * after)
+        return (self._by_q, self._by_v), (by_q, by_way)
 
-    def _answer(self) -> Linearisation:
+    def _answer(self, step: KnotStep) -> Linearisation:
         """Return the ground's answer under the laws themselves."""
-        problem, near = self._problem, self._near
-        Y, G, g, record = problem
+        near, (Y, G, g, record) = step.near, step.problem
         k = len(near)
         by_g = np.empty((3 * k, 4 * k))
-        if k and not kernels.answer(problem, self._mu, self._convex, by_g):  # redundant contacts
-            contacts = ContactProblem(G, g, self._mu, law=self.stepper.options.problem_law)
+        if k and not kernels.answer(step.problem, step.mu, self._convex, by_g):  # redundant contacts
+            contacts = ContactProblem(G, g, step.mu, law=self.stepper.options.problem_law)
             solution = self.stepper.solve(contacts, record[:k])
             by_g[:, : 3 * k], by_g[:, 3 * k :] = Response(solution, 0.0).blocks
-        return near, Y, by_g, self.impulses, self._reached
+        return near, Y, by_g, step.impulses, step.v
 
-    def _exchange_on_path(self, kappa: float) -> Linearisation:
+    def _exchange_on_path(self, step: KnotStep, kappa: float) -> Linearisation:
         """Return the ground's answer on the central path."""
         kappa = real_number("smoothing", kappa, low=0.0, high=1e300)
-        impulses, after = self.impulses.copy(), np.empty_like(self.v)
-        self._settings[kernels.MU] = self._mu
-        given = self._J, self._L, self._v, self._free, self.gaps, self._settings, self._convex
-        found, Y, by_g = kernels.smooth_step(*given, kappa, impulses, after)
-        every = np.arange(len(self.gaps))
+        impulses, after = step.impulses.copy(), np.empty_like(step.v)
+        v, settings = step.start[1], self._settings
+        gaps, J = step.contacts.gaps, step.contacts.J
+        found, Y, by_g = kernels.smooth_step(
+            J, step.L, v, step.free, gaps, settings, step.mu, self._convex, kappa, impulses, after
+        )
+        every = np.arange(len(gaps))
         if not found:  # the slower way, which says so where it fails
-            dt, e, slow, pull = self._settings[: kernels.TOL]
-            law = dt, np.full(len(every), e), slow, pull
-            _, G, g = arithmetic.assemble(self._J, self._L, self._v, self._free, self.gaps, every, *law)
-            contacts = ContactProblem(G, g, self._mu, law=self.stepper.options.problem_law)
-            response = Response(self.stepper.solve(contacts, self.impulses), kappa)
+            law = settings.dt, np.full(len(every), settings.restitution), settings.rest_speed, settings.pull
+            _, G, g = arithmetic.assemble(J, step.L, v, step.free, gaps, every, *law)
+            contacts = ContactProblem(G, g, step.mu, law=self.stepper.options.problem_law)
+            response = Response(self.stepper.solve(contacts, step.impulses), kappa)
             impulses, d = response.forces, response.derivative
             by_g = np.hstack([d.dforces_dg, d.dforces_dmu])
-            after = arithmetic.apply_impulses(self._L, Y, impulses.ravel(), self._free)
+            after = arithmetic.apply_impulses(step.L, Y, impulses.ravel(), step.free)
         return every, Y, by_g, impulses, after
 
-    def _look_below(self) -> None:
-        """Find how curved ground turns below the contacts."""
-        contacts = Contacts(self.gaps, self._positions, self._frames, self._J)
-        self._turns, self._slopes = ground_turn(self.stepper.terrain, contacts, self._radii)
+    def _ground_rates(self, step: KnotStep) -> tuple[FloatArray, FloatArray]:
+        """Return how curved ground turns below the contacts, and the slopes of its distance."""
+        if not self._curved:
+            return self._turns, self._slopes
+        return ground_turn(self.stepper.terrain, step.contacts, self._radii)
 
 
 def _outputs(out: Outputs | None, *shapes: tuple[int, int]) -> Outputs:

@@ -12,6 +12,8 @@ with inverse dynamics ID at (q, v, (v⁺ - v) / dt), and q⁺ = q ⊕ dt v⁺.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
@@ -41,10 +43,34 @@ from surefoot.mechanics.dynamics.arithmetic import (
 )
 from surefoot.mechanics.dynamics.derivative.rate_kernels import force_rates, velocity_rates
 
-DT, RESTITUTION, REST_SPEED, PULL, TOL, REACH, MU = range(7)
-"""Places in the settings of a step."""
 SOLVED, NOT_SOLVED, LOST = 0, 1, 2
 """How a step ended."""
+
+
+class KnotSettings(NamedTuple):
+    """Settings of all steps of a knot.
+
+    Attributes
+    ----------
+    dt, reach
+        Length of a step [s], and distance up to which a contact counts as near [m].
+    restitution, rest_speed
+        Share of a closing speed that a contact gives back [-], and the closing speed up to which that is none
+        [m/s].
+    pull
+        Share of a penetration that a step takes back [-].
+    tol
+        Tolerance of the contact problem.
+    """
+
+    dt: float
+    restitution: float
+    rest_speed: float
+    pull: float
+    tol: float
+    reach: float
+
+
 Place = tuple[FloatArray, IntArray, BoolArray, FloatArray, FloatArray, FloatArray, FloatArray]
 """The first arguments of `derivative_kernels.velocity_rates`."""
 Problem = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
@@ -69,16 +95,16 @@ def _locate(
 @kernel
 def _solve(
     J: FloatArray, L: FloatArray, v: FloatArray, free: FloatArray, gaps: FloatArray, near: IntArray,
-    settings: FloatArray, convex: bool,
+    settings: KnotSettings, mu: float, convex: bool,
 ) -> tuple[bool, FloatArray, FloatArray, FloatArray, FloatArray]:  # fmt: skip
     """Solve the problem of the near contacts; return whether it is solved, and `Problem`."""
     k = near.size
-    e = np.full(gaps.size, settings[RESTITUTION])
-    Y, G, g = assemble(J, L, v, free, gaps, near, settings[DT], e, settings[REST_SPEED], settings[PULL])
+    e = np.full(gaps.size, settings.restitution)
+    Y, G, g = assemble(J, L, v, free, gaps, near, settings.dt, e, settings.rest_speed, settings.pull)
     record = np.zeros((2 * k + 3, 3))
     vectors = np.empty((2, 3 * k))
     for i in range(k):
-        vectors[1, i], vectors[1, k + i], vectors[1, 2 * k + i] = settings[MU], 0.0, np.inf
+        vectors[1, i], vectors[1, k + i], vectors[1, 2 * k + i] = mu, 0.0, np.inf
         for a in range(3):
             vectors[0, 3 * i + a] = g[3 * i + a]
     # A state that ran away is no contact problem: it counts as unsolved, and no solver is asked.
@@ -86,7 +112,7 @@ def _solve(
         return False, Y, G, g, record
     done = 0
     if k:
-        done = solve_compiled(G, vectors, settings[TOL], UNBOUNDED, CONVEX_CALL if convex else 0, record)
+        done = solve_compiled(G, vectors, settings.tol, UNBOUNDED, CONVEX_CALL if convex else 0, record)
     return done < UNSOLVED, Y, G, g, record
 
 
@@ -94,7 +120,7 @@ def _solve(
 def first_order_step(
     bodies: tuple[FloatArray, FloatArray, BoolArray, FloatArray],
     ground: tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray],
-    v: FloatArray, effort: FloatArray, settings: FloatArray, convex: bool,
+    v: FloatArray, effort: FloatArray, settings: KnotSettings, mu: float, convex: bool,
     J: FloatArray, L: FloatArray, impulses: FloatArray, after: FloatArray,
 ) -> tuple[int, FloatArray, IntArray, Problem]:  # fmt: skip
     """Take a step of semi-implicit Euler up to its new velocity.
@@ -110,9 +136,8 @@ def first_order_step(
         to be filled with the contact points.
     v, effort
         (nv,) velocity and generalised forces less those of bias.
-    settings
-        (7,) dt, restitution, the speed up to which it is none, share of a penetration asked back, tolerance,
-        reach of contact detection, mu.
+    settings, mu
+        Of the knot, and friction of the ground [-].
     convex
         Whether the law is convex; else Coulomb's.
     J, L, impulses, after
@@ -127,7 +152,7 @@ def first_order_step(
     """
     upper, twists, support, radii = bodies
     centres, frames, gaps, above, positions = ground
-    dt, p = settings[DT], gaps.size
+    dt, p = settings.dt, gaps.size
     own = np.arange(p)
     _locate(centres, radii, frames, gaps, above, positions)
     # M = L Lᵀ, J at the configuration of the start: semi-implicit Euler
@@ -140,11 +165,11 @@ def first_order_step(
     near = own[:0]
     lost = not (largest(gaps) < np.inf and largest(free) < FASTEST)
     if not lost:
-        near = near_ground(J, v, free, gaps, dt, settings[REACH])
+        near = near_ground(J, v, free, gaps, dt, settings.reach)
     velocities = np.empty((p, 3))
     # contacts that the others' impulses press in are added, until none is
     while True:
-        solved, Y, G, g, record = _solve(J, L, v, free, gaps, near, settings, convex)
+        solved, Y, G, g, record = _solve(J, L, v, free, gaps, near, settings, mu, convex)
         impulses[:] = 0.0
         for i in range(near.size):
             for a in range(3):
@@ -176,14 +201,14 @@ def answer(problem: Problem, mu: float, convex: bool, out: FloatArray) -> bool:
 
 @kernel
 def smooth_step(
-    J: FloatArray, L: FloatArray, v: FloatArray, free: FloatArray, gaps: FloatArray, settings: FloatArray,
-    convex: bool, kappa: float, impulses: FloatArray, after: FloatArray,
+    J: FloatArray, L: FloatArray, v: FloatArray, free: FloatArray, gaps: FloatArray, settings: KnotSettings,
+    mu: float, convex: bool, kappa: float, impulses: FloatArray, after: FloatArray,
 ) -> tuple[bool, FloatArray, FloatArray]:  # fmt: skip
     """Bring a step's impulses to the central path, all contacts taking part; see `batch.central_path`.
 
     Parameters
     ----------
-    J, L, v, free, gaps, settings, convex
+    J, L, v, free, gaps, settings, mu, convex
         As `first_order_step` took, filled and returned them.
     kappa
         Normal impulse times normal velocity on the path [N s m/s].
@@ -198,14 +223,12 @@ def smooth_step(
     # On the central path every contact has a force, however far from the ground: no set of near ones to
     # choose, and the derivative knows of contacts that are not there yet.
     p = gaps.size
-    e = np.full(p, settings[RESTITUTION])
-    Y, G, g = assemble(
-        J, L, v, free, gaps, np.arange(p), settings[DT], e, settings[REST_SPEED], settings[PULL]
-    )
-    mu, by_g = np.full(p, settings[MU]), np.empty((3 * p, 4 * p))
-    found = p == 0 or follow_path(G, g, mu, convex, kappa, impulses)
+    e = np.full(p, settings.restitution)
+    Y, G, g = assemble(J, L, v, free, gaps, np.arange(p), settings.dt, e, settings.rest_speed, settings.pull)
+    frictions, by_g = np.full(p, mu), np.empty((3 * p, 4 * p))
+    found = p == 0 or follow_path(G, g, frictions, convex, kappa, impulses)
     if p and found:
-        found = path_blocks(G, g, mu, convex, kappa, impulses, by_g)
+        found = path_blocks(G, g, frictions, convex, kappa, impulses, by_g)
     after[:] = apply_impulses(L, Y, impulses.reshape(-1), free)
     return found, Y, by_g
 
@@ -244,11 +267,11 @@ def _shift_rates(
 
 @inline_kernel
 def _shifts(
-    J: FloatArray, v: FloatArray, free: FloatArray, gaps: FloatArray, near: IntArray, settings: FloatArray
+    J: FloatArray, v: FloatArray, free: FloatArray, gaps: FloatArray, near: IntArray, settings: KnotSettings
 ) -> FloatArray:
     """Return (k, 2) how `arithmetic.normal_shift` depends on gap and arriving velocity: on one of them."""
     out = np.zeros((near.size, 2))
-    dt, e, slow, pull = settings[DT], settings[RESTITUTION], settings[REST_SPEED], settings[PULL]
+    dt, e, slow, pull = settings.dt, settings.restitution, settings.rest_speed, settings.pull
     for i in range(near.size):
         c = near[i]
         before, ahead = dot(J[3 * c + 2], v), dot(J[3 * c + 2], free)
@@ -264,7 +287,7 @@ def first_order_blocks(
     place: Place,
     ground: tuple[FloatArray, FloatArray, FloatArray],
     speeds: tuple[FloatArray, FloatArray, FloatArray],
-    near: IntArray, Y: FloatArray, by_g: FloatArray, impulses: FloatArray, settings: FloatArray,
+    near: IntArray, Y: FloatArray, by_g: FloatArray, impulses: FloatArray, settings: KnotSettings,
     L: FloatArray, dynamics: tuple[FloatArray, FloatArray], moved: tuple[FloatArray, FloatArray],
     A: FloatArray, B: FloatArray,
 ) -> FloatArray:  # fmt: skip
@@ -292,7 +315,7 @@ def first_order_blocks(
     twists, first, support, positions, radii, frames, turns = place
     gaps, slopes, J = ground
     v, free, after = speeds
-    n, m, dt = v.size, 3 * near.size, settings[DT]
+    n, m, dt = v.size, 3 * near.size, settings.dt
     by_q, by_v = dynamics
     # half = L⁻¹, and W = Y L⁻¹ = (M⁻¹ Jᵀ)ᵀ: a row for each row of the contact problem.
     half, K = np.empty((n, n)), np.empty((n, n))
@@ -304,7 +327,7 @@ def first_order_blocks(
     shifts = _shifts(J, v, free, gaps, near, settings)
     spin = velocity_rates(twists, first, support, positions, radii, frames, turns, after)
     arriving = spin
-    if settings[RESTITUTION] > 0.0:
+    if settings.restitution > 0.0:
         arriving = velocity_rates(twists, first, support, positions, radii, frames, turns, v)
     _shift_rates(arriving, slopes, place, J, near, shifts, columns)
     # g = J v_free + shift moves with the impulse of any force (W), with q, and with v

@@ -14,7 +14,7 @@ answers the change of A_G over the next, whose v is another after an impact: it 
 are the base's discrete Euler-Lagrange equations under the left rectangle rule [1]_, whose symmetries keep
 momentum.
 
-`MomentumKnot.settled` is the velocity of the same momentum at q⁺ itself, which logs show, and
+`MomentumKnot.velocity_at_end` gives the velocity of the same momentum at q⁺ itself, which logs show, and
 `velocity_of_way` its inverse.
 
 References
@@ -31,7 +31,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.spatial import GRAVITY, skew
-from surefoot.mechanics.dynamics.knot import Knot
+from surefoot.mechanics.dynamics.knot import BaseMomentum, Knot, KnotStep, Rates
 from surefoot.mechanics.dynamics.stepper import Stepper
 from surefoot.mechanics.robot.centroidal import free_momentum_rows
 
@@ -55,90 +55,91 @@ class MomentumKnot(Knot):
         self._rows = np.array(free_momentum_rows(model), dtype=np.int64)
         self._ways = np.flatnonzero(self._rows < 3)
         self._other, self._still = model.createData(), np.zeros(model.nv)
-        self._more = np.zeros(len(self._rows))
 
-    def _less_bias(self, effort: FloatArray) -> FloatArray:
-        out, n = super()._less_bias(effort), len(self._rows)
-        if n:
-            model, data = self._model, self._data
-            self._A = np.array(data.Ag)
-            self._X = _rigid_motion(data, n)
-            self._arrive = _arriving(model, self._other, self._q, self._v, self._dt)
-            gained = self._arrive - self._A @ self._v
-            # the base's rows: gravity alone, and the change of momentum in place of its rate
-            weight = self._pin.computeGeneralizedGravity(model, self._other, self._q)[:n]
-            self._more = data.nle[:n] - weight + self._X.T @ gained / self._dt
-            out[:n] += self._more
+    def _momentum_at(self, q: FloatArray, v: FloatArray) -> BaseMomentum | None:
+        n = len(self._rows)
+        if not n:
+            return None
+        model, data = self._model, self._data
+        A, X = np.array(data.Ag), _rigid_motion(data, n)
+        arriving = _arriving(model, self._other, q, v, self._dt)
+        gained = arriving - A @ v
+        # the base's rows: gravity alone, and the change of momentum in place of its rate
+        weight = self._pin.computeGeneralizedGravity(model, self._other, q)[:n]
+        effort = data.nle[:n] - weight + X.T @ gained / self._dt
+        return BaseMomentum(A, X, arriving, effort, np.array(data.com[0]), float(data.mass[0]))
+
+    def _end(self, q: FloatArray, after: FloatArray, momentum: BaseMomentum | None) -> FloatArray:
+        out = super()._end(q, after, momentum)
+        if self._ways.size and momentum is not None:
+            end = self._pin.centerOfMass(self._model, self._other, out)
+            ahead = momentum.com + self._dt / momentum.mass * (momentum.map[:3] @ after)
+            out[self._ways] += (ahead - end)[self._rows[self._ways]]
         return out
 
-    def _solve_again(self) -> None:
-        n = len(self._rows)
-        own = self._effort[:n].copy()
-        self._effort[:n] += self._more
-        try:
-            super()._solve_again()
-        finally:
-            self._effort[:n] = own
-
-    def _configuration_after(self) -> FloatArray:
-        q = super()._configuration_after()
-        if self._ways.size:
-            start, data = np.array(self._data.com[0]), self._data
-            end = self._pin.centerOfMass(self._model, self._other, q)
-            ahead = start + self._dt / data.mass[0] * (self._A[:3] @ self.v)
-            q[self._ways] += (ahead - end)[self._rows[self._ways]]
-        return q
-
-    @property
-    def settled(self) -> FloatArray:
-        """(nv,) the last step's velocity, the base's such that the momentum at the new q is the step's."""
-        n, other = len(self._rows), self._other
-        out = self.v.copy()
-        if n and np.isfinite(out).all():
+    def velocity_at_end(self, step: KnotStep) -> FloatArray:
+        """Return a step's velocity (nv,), the base's such that the momentum at the new q is the step's."""
+        out, other, momentum = step.v.copy(), self._other, step.momentum
+        if momentum is not None and np.isfinite(out).all():
             # The momentum in directions of the base's own motion, 6 equations for a free flyer: joints keep
             # their rates.
-            A = np.array(self._pin.computeCentroidalMap(self._model, other, self.q))
+            n = len(momentum.effort)
+            A = np.array(self._pin.computeCentroidalMap(self._model, other, step.q))
             X = _rigid_motion(other, n)
-            out[:n] = np.linalg.solve(X.T @ A[:, :n], X.T @ (self._A @ self.v - A[:, n:] @ out[n:]))
+            out[:n] = np.linalg.solve(X.T @ A[:, :n], X.T @ (momentum.map @ step.v - A[:, n:] @ out[n:]))
         return out
 
-    def _correct_rates(self, after: FloatArray) -> None:
-        """Write the base's rows: those of momentum, divided by dt, in the base's axes."""
-        n, model, other, dt = len(self._rows), self._model, self._other, self._dt
-        if not n:
-            return
+    def _rates(self, step: KnotStep, after: FloatArray) -> tuple[Rates, Rates]:
+        dynamics, way = super()._rates(step, after)
+        momentum = step.momentum
+        if momentum is None:
+            return dynamics, way
         change = self._pin.computeCentroidalDynamicsDerivatives
-        self._by_place = np.array(change(model, other, self._q, after, self._still)[0])
-        by_q, by_way = self._d_integrate(model, self._q, -dt * self._v)
-        back = self._integrate(model, self._q, -dt * self._v)
-        by_back, _, _, map_back = change(model, other, back, self._v, self._still)
-        A, X = self._A, self._X
-        # world axes, about the centre of mass; what is left over is turned with the base's axes
-        left = A @ after - self._arrive
-        left[2] += dt * self._data.mass[0] * GRAVITY
-        mass, com = self._data.mass[0], self._data.com[0]
-        turned = _turned_wrench(self._twists, self._first, A[:3] / mass, com, left, n)
-        self._by_q[:n] = (turned + X.T @ (self._by_place - by_back @ by_q)) / dt
-        self._by_v[:n] = X.T @ (A - map_back + dt * by_back @ by_way) / dt
+        q, other = step.start[0], self._other
+        by_place = np.array(change(self._model, other, q, after, self._still)[0])
+        self._write_base_rows(step, momentum, after, by_place, dynamics)
+        return dynamics, self._way_rates(step, momentum, after, by_place, way)
 
-    def _way_rates(self, after: FloatArray) -> tuple[FloatArray, FloatArray]:
-        by_q, by_way = super()._way_rates(after)
+    def _write_base_rows(
+        self, step: KnotStep, momentum: BaseMomentum, after: FloatArray, by_place: FloatArray, dynamics: Rates
+    ) -> None:
+        """Write the base's rows of `dynamics`: those of momentum, divided by dt, in the base's axes."""
+        model, other, dt, (q, v) = self._model, self._other, self._dt, step.start
+        change = self._pin.computeCentroidalDynamicsDerivatives
+        by_q, by_way = self._d_integrate(model, q, -dt * v)
+        back = self._integrate(model, q, -dt * v)
+        by_back, _, _, map_back = change(model, other, back, v, self._still)
+        A, X, n = momentum.map, momentum.motion, len(momentum.effort)
+        # world axes, about the centre of mass; what is left over is turned with the base's axes
+        left = A @ after - momentum.arriving
+        left[2] += dt * momentum.mass * GRAVITY
+        turned = _turned_wrench(step.twists, self._first, A[:3] / momentum.mass, momentum.com, left, n)
+        dynamics[0][:n] = (turned + X.T @ (by_place - by_back @ by_q)) / dt
+        dynamics[1][:n] = X.T @ (A - map_back + dt * by_back @ by_way) / dt
+
+    def _way_rates(
+        self, step: KnotStep, momentum: BaseMomentum, after: FloatArray, by_place: FloatArray, way: Rates
+    ) -> Rates:
+        """Return the derivatives of the way by q and by itself: its centre of mass goes with momentum."""
+        by_q, by_way = way
         if self._ways.size:
             model, other, dt, ways = self._model, self._other, self._dt, self._ways
-            end = self._integrate(model, self._q, dt * after)
+            end = self._integrate(model, step.start[0], dt * after)
             B = np.array(self._pin.computeCentroidalMap(model, other, end))[:3]
-            rates = self._A[:3] + dt * self._by_place[:3] - B @ by_q, self._A[:3] - B @ by_way
+            A = momentum.map[:3]
+            rates = A + dt * by_place[:3] - B @ by_q, A - B @ by_way
             axes = np.array(other.oMi[1].rotation).T if model.nq != model.nv else np.eye(3)[self._rows[ways]]
             by_q, by_way = by_q.copy(), by_way.copy()
             for out, rate in zip((by_q, by_way), rates, strict=True):
-                out[ways] += axes @ rate / self._data.mass[0]
+                out[ways] += axes @ rate / momentum.mass
         return by_q, by_way
 
 
 def velocity_of_way(model: Any, q: FloatArray, v: FloatArray, dt: float) -> FloatArray:
     """Return the velocity (nv,) of a way of dt [s] to q (nq,) on which the momentum is that of (nv,) v at q.
 
-    What `MomentumKnot` takes for a start whose velocity is that of an instant; see `MomentumKnot.settled`.
+    What `MomentumKnot` takes for a start whose velocity is that of an instant; its inverse is
+    `MomentumKnot.velocity_at_end`.
     """
     import pinocchio
 

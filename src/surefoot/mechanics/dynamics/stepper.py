@@ -37,11 +37,10 @@ from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, IntArray, finite_array, of_kind, real_number
 from surefoot.base.errors import ProblemError, SimulationError
-from surefoot.base.numerics.vectors import largest
+from surefoot.base.numerics.vectors import finite_vector, largest
 from surefoot.contact import ContactProblem, ContactSolution, solve
 from surefoot.mechanics.collision import Geometry
 from surefoot.mechanics.dynamics.arithmetic import FASTEST
-from surefoot.mechanics.dynamics.bodies import finite_vector
 from surefoot.mechanics.dynamics.detection import Contacts, Surfaces
 from surefoot.mechanics.dynamics.free_bodies import bodies_of
 from surefoot.mechanics.dynamics.free_motion import moved

@@ -35,7 +35,7 @@ class Trajectory:
         Friction of the ground [-].
     q, v
         (N + 1, nq), (N + 1, nv) configurations [m, -, rad] and velocities [m/s, rad/s], Pinocchio's order;
-        the velocities at the knots have the momentum of the way there (`MomentumKnot.settled`).
+        the velocities at the knots have the momentum of the way there (`MomentumKnot.velocity_at_end`).
     ways
         (N + 1, nv) velocities of the ways to the knots, which steps and programs take.
     torques
@@ -171,11 +171,11 @@ def rollout(
     out.ways[0] = velocity_of_way(model, q, v, dt)
     for k in range(count):
         out.torques[k] = policy(k, out.q[k], out.ways[k])
-        done = knot.step(out.q[k], out.ways[k], out.torques[k], mu)
-        if not np.isfinite(knot.v).all():
+        step = knot.step(out.q[k], out.ways[k], out.torques[k], mu)
+        if not np.isfinite(step.v).all():
             break
-        out.q[k + 1], out.v[k + 1], out.impulses[k] = knot.q, knot.settled, knot.impulses
-        out.ways[k + 1], out.residuals[k], out.solved[k] = knot.v, knot.residual, done
+        out.q[k + 1], out.v[k + 1], out.impulses[k] = step.q, knot.velocity_at_end(step), step.impulses
+        out.ways[k + 1], out.residuals[k], out.solved[k] = step.v, step.residual, step.solved
     out.locate(knot.stepper)
     return out
 

@@ -19,8 +19,9 @@ from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, real_number
 from surefoot.base.errors import ModelError, ProblemError, check_name, needs
+from surefoot.base.numerics.vectors import finite_vector
 from surefoot.base.spatial import quaternion_from_rotation, rotation_from_quaternion
-from surefoot.mechanics import Robot, Terrain, finite_vector
+from surefoot.mechanics import Robot, Terrain
 from surefoot.worlds.interface.engine_world import HIGHEST, LARGEST, EngineWorld
 
 GROUND = {"contactStiffness": 1e18, "contactDamping": 0.0, "restitution": 1.0}

@@ -16,8 +16,9 @@ from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, real_number
 from surefoot.base.errors import ModelError, ProblemError, check_name
+from surefoot.base.numerics.vectors import finite_vector
 from surefoot.base.spatial import rotation_from_quaternion
-from surefoot.mechanics import Robot, Terrain, finite_vector
+from surefoot.mechanics import Robot, Terrain
 from surefoot.worlds.drake.drake_python import Worker
 from surefoot.worlds.interface.engine_world import HIGHEST, LARGEST, EngineWorld
 

@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, IntArray, finite_array, real_number
 from surefoot.base.errors import ModelError, ProblemError, check_name
+from surefoot.base.numerics.vectors import finite_vector
 from surefoot.base.spatial import GRAVITY
-from surefoot.mechanics import Robot, Terrain, file_actuators, finite_vector, mujoco_line, with_rotors
+from surefoot.mechanics import Robot, Terrain, file_actuators, mujoco_line, with_rotors
 from surefoot.records import Log
 from surefoot.worlds.interface.world import ground_of
 from surefoot.worlds.mujoco.actuators import Drives
@@ -128,7 +129,7 @@ class MjcfWorld(MujocoWorld):
     def _drive(self, torques: FloatArray) -> None:
         """See `MujocoWorld`."""
         self._drives.ask(self.data, finite_vector("torques", torques, self.robot.joints))
-        self._before[0][:], self._before[1][:] = self._qpos, self._qvel
+        self._keep()
 
     def _note_torques(self) -> None:
         """See `MujocoWorld`."""
@@ -136,16 +137,16 @@ class MjcfWorld(MujocoWorld):
 
     def set_friction(self, mu: float) -> None:
         """Change the friction of feet and ground [-], from the next step on."""
-        both = [*self._geoms.tolist(), *self.ground_geoms]
+        both = [*self._reader.feet.geoms.tolist(), *self.ground_geoms]
         self.model.geom_friction[both, 0] = max(real_number("mu", mu, low=0.0), 1e-5)
 
     def softness(self, log: Log) -> dict[str, float]:
         """Return what the softness of feet and ground means in a run; see `MujocoWorld.softness`."""
         load = GRAVITY * (self.robot.mass + self.payload)
-        first, ground = int(self._geoms[0]), self.ground_geoms[0]
+        first, ground = int(self._reader.feet.geoms[0]), self.ground_geoms[0]
         rank = [(self.model.geom_priority[g], self.model.geom_solmix[g]) for g in (first, ground)]
         deciding = first if rank[0] > rank[1] else ground
-        return world_softness(self.mujoco, self.model, deciding, self._bodies, log, load)
+        return world_softness(self.mujoco, self.model, deciding, self._reader.feet.bodies, log, load)
 
 
 def _read(mujoco: Any, path: str | Path) -> tuple[Any, Any]:

@@ -16,31 +16,26 @@ from numpy.typing import ArrayLike
 from surefoot.base.arrays import FloatArray, IntArray, finite_array, real_number, whole_number
 from surefoot.base.errors import SimulationError
 from surefoot.base.kernels import VECTOR, entry_point
-from surefoot.base.numerics.vectors import largest
+from surefoot.base.numerics.vectors import finite_vector, largest
 from surefoot.base.spatial import base_velocity, quaternion_wxyz
-from surefoot.mechanics import Actuators, Geometry, Robot, Terrain, finite_vector, surface_frames
+from surefoot.mechanics import Actuators, Geometry, Robot, Terrain
 from surefoot.records import Log
 from surefoot.worlds.interface.actuated import equipped
 from surefoot.worlds.interface.world import ContactReading, ground_of
 from surefoot.worlds.interface.world_state import WorldState
 from surefoot.worlds.mujoco.actuators import fit_actuators
 from surefoot.worlds.mujoco.centripetal import step_with_centripetal
-from surefoot.worlds.mujoco.links import LinkContacts, add_links, generalised_force, owners
-from surefoot.worlds.mujoco.readings import (
-    FACE_TYPES,
-    OWN_TYPES,
-    face_principal,
-    read_contacts,
-    to_pinocchio,
-)
+from surefoot.worlds.mujoco.foot_reader import DataViews, FootReader
+from surefoot.worlds.mujoco.links import add_links, generalised_force
 from surefoot.worlds.mujoco.readings import pinocchio_state as pinocchio_state
+from surefoot.worlds.mujoco.readings import to_pinocchio
 from surefoot.worlds.mujoco.record_softness import world_softness
 from surefoot.worlds.mujoco.resuming import mujoco_state, resume_mujoco
 from surefoot.worlds.mujoco.spec import CONTACT_TIME, compile_spec, set_point_friction, surface_of
 from surefoot.worlds.mujoco.spec import add_ground as add_ground
 from surefoot.worlds.mujoco.spec import import_mujoco as import_mujoco
 from surefoot.worlds.mujoco.spec import robot_spec as robot_spec
-from surefoot.worlds.mujoco.substeps import MOST_SUBSTEPS, mean_reading
+from surefoot.worlds.mujoco.substeps import MOST_SUBSTEPS, WholeStep, mean_reading
 from surefoot.worlds.rigid.rigid_world import chosen_geometry
 
 LARGEST = 1e10
@@ -138,34 +133,15 @@ class MujocoWorld:
         self.data = mujoco.MjData(self.model)
         self._before = np.zeros(self.model.nq), np.zeros(self.model.nv)
         self.applied = np.zeros(robot.joints)
-        points = robot.contact_points
-        self.contact_foot = points.foot
-        self._geoms = feet  # numbered along the tree
-        self._bodies = np.array(self.model.geom_bodyid)[feet]
+        self.contact_foot = robot.contact_points.foot
         self.base_body = base
-        self._owner = owners(self.model.ngeom, feet, self.ground_geoms)
-        self._links = LinkContacts(mujoco, self.model, self._owner) if links else None
-        self._frames = np.array([self.terrain.frame([0.0, 0.0])] * len(feet)).reshape(-1, 3, 3)
-        self._normals = np.ascontiguousarray(self._frames[:, :, 2])  # all that a plane needs, with its offset
-        offset = float(self._frames[0, 2, 2] * self.terrain.height([0.0, 0.0])) if len(feet) else 0.0
-        roots = np.array(self.model.body_rootid)[self._bodies]
-        self._spheres = np.stack([feet, self._bodies, roots], axis=1).astype(np.int64)
-        self._sizes = np.stack([points.radii, np.full(len(feet), offset)], axis=1)
-        self._look_at_data()
+        self._views = DataViews.of(self.data, robot.base_dof, base)
+        self._reader = FootReader(
+            mujoco, self.model, self.data, robot, self.terrain, feet, self.ground_geoms, self._views, links
+        )
+        self._advance = partial(mujoco.mj_step, self.model, self.data)
+        self._turn, self._largest = entry_point(to_pinocchio, VECTOR, VECTOR), entry_point(largest, VECTOR)
         self.reset(robot.nominal)
-
-    def _look_at_data(self) -> None:
-        """Keep hold of arrays of MuJoCo's data that stay in their places, and of compiled functions."""
-        data, first = self.data, self.robot.base_dof
-        self._advance = partial(self.mujoco.mj_step, self.model, data)
-        self._qpos, self._qvel, self._effort = data.qpos, data.qvel, data.qfrc_applied[first:]
-        self._pushed = data.xfrc_applied[self.base_body, :3]
-        self._places, self._twists, self._centres = data.geom_xpos, data.cvel, data.subtree_com
-        self._planar, self._contact = bool(self.terrain.planar), data.contact
-        self._read = entry_point(read_contacts, *OWN_TYPES)
-        self._face = entry_point(face_principal, *FACE_TYPES)
-        self._turn = entry_point(to_pinocchio, VECTOR, VECTOR)
-        self._largest = entry_point(largest, VECTOR)
 
     @property
     def time(self) -> float:
@@ -174,7 +150,9 @@ class MujocoWorld:
 
     def count_centripetal(self) -> None:
         """Have feet count the acceleration that MuJoCo leaves out, see `worlds.mujoco.centripetal`."""
-        self._advance = partial(step_with_centripetal, self.mujoco, self.model, self.data, self._owner)
+        self._advance = partial(
+            step_with_centripetal, self.mujoco, self.model, self.data, self._reader.feet.owner
+        )
 
     def divide(self, substeps: int) -> None:
         """Make each step in so many of MuJoCo's, 1 to 64, on ground as many times as fast as the default.
@@ -199,8 +177,7 @@ class MujocoWorld:
         q = self.robot.configuration(q)
         v = None if v is None else finite_array("v", v, (self.robot.model.nv,))
         self.mujoco.mj_resetData(self.model, self.data)
-        self._mean: ContactReading | None = None
-        self._touching: set[tuple[str, str]] = set()
+        self._whole: WholeStep | None = None
         self.data.qpos[:] = q
         self.data.qvel[:] = 0.0 if v is None else v
         if self.robot.floating:
@@ -222,12 +199,12 @@ class MujocoWorld:
         ProblemError
             For a state of another world; nothing has changed.
         """
-        self._mean, self._touching = resume_mujoco(self, state)
+        self._whole = resume_mujoco(self, state)
         self.applied = state.applied.copy()
 
     def q_v(self) -> tuple[FloatArray, FloatArray]:
         """Return q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""
-        q, v = self._qpos.copy(), self._qvel.copy()
+        q, v = self._views.qpos.copy(), self._views.qvel.copy()
         if self.robot.floating:
             self._turn(q, v)
         return q, v
@@ -245,41 +222,47 @@ class MujocoWorld:
         """
         self._drive(torques)
         if push is None:
-            self._pushed.fill(0.0)
+            self._views.push.fill(0.0)
         elif self.base_body:
-            self._pushed[:] = finite_vector("push", push, 3)
+            self._views.push[:] = finite_vector("push", push, 3)
         if self.substeps == 1:
-            self._mean = None
+            self._whole = None
             self._advance()
         else:
-            self._finely()
-        if not self._largest(self._qvel) < LARGEST:
+            self._whole = self._advance_finely()
+        if not self._largest(self._views.qvel) < LARGEST:
             raise self._undo_step()
         self._note_torques()
 
-    def _finely(self) -> None:
-        """Advance in parts, and keep what the ground did and what touched in each."""
+    def _advance_finely(self) -> WholeStep:
+        """Advance in parts; return what the ground did and what touched in them."""
         parts: list[ContactReading] = []
-        self._touching.clear()
+        touching = set[tuple[str, str]]()
         for _ in range(self.substeps):
             self._advance()
-            parts.append(self._last_contacts(parts[-1] if parts else None))
-            if self._beside:
-                self._touching.update(self._last_touching())
-        self._mean, rest = mean_reading(parts)
-        if rest.any() and self._mean.others is not None:
-            places = self._mean.positions
-            self._mean.others[:] += generalised_force(
-                self.mujoco, self.model, self.data, self._bodies, places, rest
+            reading, beside = self._reader.read(parts[-1] if parts else None)
+            parts.append(reading)
+            if beside:
+                touching.update(self._reader.touching())
+        mean, rest = mean_reading(parts)
+        if rest.any() and mean.others is not None:
+            effort = generalised_force(
+                self.mujoco, self.model, self.data, self._reader.feet.bodies, mean.positions, rest
             )
+            mean.others[:] += effort
+        return WholeStep(mean, tuple(sorted(touching)))
 
     def _drive(self, torques: FloatArray) -> None:
         """Have the motors give (joints,) torques [N m] in the next step, if they can; keep the state."""
         given = finite_vector("torques", torques, self.robot.joints).copy()
         if self.actuators is not None:
-            given = self.actuators.given(given, self._qvel[self.robot.base_dof :])
-        self._effort[:], self._before[0][:], self._before[1][:] = given, self._qpos, self._qvel
-        self.applied = given
+            given = self.actuators.given(given, self._views.qvel[self.robot.base_dof :])
+        self._views.effort[:], self.applied = given, given
+        self._keep()
+
+    def _keep(self) -> None:
+        """Keep q and v, for a step that is to be undone."""
+        self._before[0][:], self._before[1][:] = self._views.qpos, self._views.qvel
 
     def _note_torques(self) -> None:
         """Note what the motors gave in the last step, where only the step tells."""
@@ -309,7 +292,9 @@ class MujocoWorld:
     def softness(self, log: Log) -> dict[str, float]:
         """Return what the ground's softness means in a run: `sinking` [m], `creep` [m/s], `stopping` [m]."""
         load = float(np.linalg.norm(self.model.opt.gravity)) * (self.robot.mass + self.payload)
-        return world_softness(self.mujoco, self.model, self.ground_geoms[0], self._bodies, log, load)
+        return world_softness(
+            self.mujoco, self.model, self.ground_geoms[0], self._reader.feet.bodies, log, load
+        )
 
     def contacts(self) -> ContactReading:
         """Return forces, gaps and velocities at the feet's spheres during the last step.
@@ -317,50 +302,8 @@ class MujocoWorld:
         A foot that touches two surfaces, in a corner, tells of the one that bears more; what the other gives
         comes with the forces on other links, in a world that has them.
         """
-        return self._last_contacts() if self._mean is None else self._mean
-
-    def _last_contacts(self, before: ContactReading | None = None) -> ContactReading:
-        """Return what the ground did in MuJoCo's last step.
-
-        The ground that was near in the step `before`, a part of a millisecond ago, is near still.
-        """
-        data, contact, links, normals = self.data, self._contact, self._links, self._normals
-        points, gaps = np.zeros((3, len(self.contact_foot), 3)), np.zeros(len(self.contact_foot))
-        forces, velocities, positions = points
-        over = None
-        if before is not None and before.normals is not None and not self._planar:
-            over = before.gaps.copy(), before.normals.copy()
-        elif not self._planar:
-            distances, faces = self.terrain.nearest(self._places[self._geoms])
-            over = distances - self._sizes[:, 0], faces
-        if over is not None:
-            self._face(
-                *over,
-                contact.geom,
-                contact.efc_address,
-                contact.frame,
-                contact.dist,
-                data.efc_force,
-                self._owner,
-                before is not None,
-            )
-            surface_frames(over[1], self._frames)
-        self._beside = beside = self._read(
-            self._places, self._twists, self._centres, contact.geom, contact.efc_address, contact.frame,
-            data.efc_force, self._owner, self._spheres, self._sizes, self._frames, gaps, points,
-        )  # fmt: skip
-        if over is not None:
-            gaps, normals = over
-        if links is None:
-            return ContactReading(forces, gaps, velocities, positions, None, normals)
-        # joints at their stops count, too
-        others = links.force(data, self._frames) if beside or data.nl else np.zeros(self.model.nv)
-        return ContactReading(forces, gaps, velocities, positions, others, normals)
+        return self._reader.read().contacts if self._whole is None else self._whole.contacts
 
     def touching(self) -> list[tuple[str, str]]:
         """Return the names of links, feet or ground that touched in the last step, without feet on ground."""
-        return self._last_touching() if self._mean is None else list(self._touching)
-
-    def _last_touching(self) -> list[tuple[str, str]]:
-        """Return the same of MuJoCo's last step."""
-        return [] if self._links is None else self._links.names(self.data, self.model)
+        return self._reader.touching() if self._whole is None else list(self._whole.touching)

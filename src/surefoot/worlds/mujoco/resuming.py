@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surefoot.worlds.interface.world import ContactReading
 from surefoot.worlds.interface.world_state import WorldState, digest, fill
+from surefoot.worlds.mujoco.substeps import WholeStep
 
 MADE = (
     "body_parentid", "body_pos", "body_quat", "body_mass", "body_inertia", "body_ipos", "body_iquat",
@@ -61,7 +61,7 @@ def mujoco_state(world: Any) -> WorldState:
     )
 
 
-def resume_mujoco(world: Any, state: WorldState) -> tuple[ContactReading, set[tuple[str, str]]]:
+def resume_mujoco(world: Any, state: WorldState) -> WholeStep:
     """Put a world into a state; return what the last step has left to be read, until the next one.
 
     Raises
@@ -83,4 +83,4 @@ def resume_mujoco(world: Any, state: WorldState) -> tuple[ContactReading, set[tu
     # Places and contacts of now, for who looks at the data; it leaves another warm start behind.
     mujoco.mj_forward(model, data)
     mujoco.mj_setState(model, data, physics, spec)
-    return copy.deepcopy(state.reading), {(a, b) for a, b in state.touching}
+    return WholeStep(copy.deepcopy(state.reading), tuple((a, b) for a, b in state.touching))

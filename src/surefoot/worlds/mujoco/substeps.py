@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,6 +15,23 @@ from surefoot.worlds.mujoco.readings import SAME_FACE
 STRIKE_SUBSTEPS = 16
 """Parts of a step of 1 ms in which feet may strike what they do not see."""
 MOST_SUBSTEPS = 64
+
+
+class WholeStep(NamedTuple):
+    """What happened in a step that is over and cannot be read from MuJoCo again.
+
+    Attributes
+    ----------
+    contacts
+        What the ground did at the feet's spheres.
+    touching
+        Names of links, feet or ground that touched, without feet on ground.
+    """
+
+    contacts: ContactReading
+    touching: tuple[tuple[str, str], ...]
+
+
 _WORDS = ("forces", "positions", "velocities")
 
 

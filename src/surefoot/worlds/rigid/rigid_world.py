@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, finite_array, of_kind, real_number
 from surefoot.base.errors import ProblemError, check_name
+from surefoot.base.numerics.vectors import finite_vector
 from surefoot.contact import ContactSolution, stopping_depth
 from surefoot.mechanics import (
     Actuators,
@@ -27,7 +28,6 @@ from surefoot.mechanics import (
     Stepper,
     StepSettings,
     Terrain,
-    finite_vector,
     robot_geometry,
     step_derivative,
 )

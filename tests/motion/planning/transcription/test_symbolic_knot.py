@@ -14,16 +14,17 @@ casadi = pytest.importorskip("casadi")
 
 @pytest.mark.parametrize("angle", [0.0, 12.0])
 def test_an_exact_step_leaves_nothing_missing(angle: float) -> None:
-    """Torques, impulses and states of `stepping.MomentumKnot`, feet on the ground and above it, at speed."""
+    """Torques, impulses and states of `dynamics.MomentumKnot`, feet on the ground and above it, at speed."""
     robot, ground, dt = sf.load_robot("go2"), sf.SlopeTerrain(angle), 0.02
     rng = np.random.default_rng(0)
-    step = MomentumKnot(Stepper(robot, ground, StepOptions(dt=dt, order=1)))
+    exact = MomentumKnot(Stepper(robot, ground, StepOptions(dt=dt, order=1)))
     knot = SymbolicKnot(robot, ground, dt)
     forces, torques = casadi.SX.sym("forces", 3, 4), casadi.SX.sym("torques", robot.joints)
     q, v = sf.place(robot, ground), 0.5 * rng.normal(size=18)
     q[2] += 2e-3
     tau = 3.0 * rng.normal(size=12)
-    assert step.step(q, v, tau, 0.5)
+    step = exact.step(q, v, tau, 0.5)
+    assert step.solved
     assert step.impulses[:, 2].max() > 0.0
     said = casadi.Function(
         "said", [knot.x, knot.after, forces, torques],
@@ -35,7 +36,7 @@ def test_an_exact_step_leaves_nothing_missing(angle: float) -> None:
     assert np.abs(effort).max() < 1e-9 * robot.mass * 9.81 / dt
     assert np.abs(way).max() < 1e-12
     assert gaps.ravel() == pytest.approx(step.gaps, abs=1e-12)
-    assert speeds.T.ravel() == pytest.approx(step.jacobian @ step.v, abs=1e-11)
+    assert speeds.T.ravel() == pytest.approx(step.contacts.J @ step.v, abs=1e-11)
 
 
 def test_rows_keep_their_bounds() -> None:

@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.base.numerics.vectors import finite_vector
 from surefoot.base.spatial import skew
 from surefoot.mechanics.dynamics import arithmetic
-from surefoot.mechanics.dynamics.bodies import finite_vector
 from surefoot.mechanics.dynamics.derivative.contact_problem import Response
 from surefoot.mechanics.dynamics.derivative.flow import Dynamics, FlowDerivative
 from surefoot.mechanics.dynamics.derivative.free_body_rates import FreeDynamics, FreeFlowDerivative

@@ -1,7 +1,7 @@
 """The knots of a horizon: exact steps forward, smoothed derivatives of the same steps backward.
 
-Every knot keeps what its step has computed, so that a motion that a line search accepts is differentiated
-without stepping again.
+Steps are values with all that their derivatives need, so that a motion that a line search accepts is
+differentiated without stepping again.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ModelError, NoSolution
-from surefoot.mechanics import Knot, MomentumKnot, Robot, StepOptions, Stepper, Terrain
+from surefoot.mechanics import Knot, KnotStep, MomentumKnot, Robot, StepOptions, Stepper, Terrain
 from surefoot.motion.planning.shooting.cost_terms import Feet, Motion, Tables, motion_cost
 from surefoot.motion.planning.shooting.state_space import difference, feedback
 
@@ -89,7 +89,8 @@ class Horizon:
         self.floating, self.dt, self.mu = robot.floating, dt, mu
         options = StepOptions(dt=dt, order=1, solver_tol=tol)
         kind = MomentumKnot if momentum else Knot
-        self._knots = [kind(Stepper(robot, terrain, options)) for _ in range(knots)]
+        self._knot = kind(Stepper(robot, terrain, options))
+        self._steps: list[KnotStep] = []
         self.q, self.v = np.tile(robot.nominal, (knots + 1, 1)), np.zeros((knots + 1, nv))
         self.torques, self.gaps = np.zeros((knots, m)), np.zeros((knots, 2 * nv))
         self.J, self.rates = np.zeros((knots, 3 * p, nv)), np.zeros((knots, 3 * p, nv))
@@ -121,28 +122,28 @@ class Horizon:
         self.q[0], self.v[0] = start
         # A rollout has no gaps: each knot starts where the one before ended.
         self.gaps[:] = 0.0
-        for k, knot in enumerate(self._knots):
+        self._steps = []
+        for k in range(len(self)):
             here = self.q[k], self.v[k]
             self.torques[k] = feedback(
                 self.floating, here, (policy.q[k], policy.v[k]), policy.torques[k], policy.steps[k], share,
                 policy.gains[k], limits[k],
             )  # fmt: skip
-            if not (np.isfinite(self.torques[k]).all() and knot.step(*here, self.torques[k], self.mu)):
+            if not (np.isfinite(self.torques[k]).all() and self._advance(k)):
                 self.cost = np.inf
                 return False
-            self._keep(k, knot)
-            self.q[k + 1], self.v[k + 1] = knot.q, knot.v
+            self.q[k + 1], self.v[k + 1] = self._steps[k].q, self._steps[k].v
         return True
 
     def take(self, q: FloatArray, v: FloatArray, torques: FloatArray) -> bool:
         """Take states (N + 1, nq), (N + 1, nv) and torques (N, m) as they are, gaps and all."""
         self.q[:], self.v[:], self.torques[:] = q, v, torques
-        for k, knot in enumerate(self._knots):
-            if not knot.step(q[k], v[k], torques[k], self.mu):
+        self._steps = []
+        for k in range(len(self)):
+            if not self._advance(k):
                 self.cost = np.inf
                 return False
-            self._keep(k, knot)
-            self._open(k, knot.q, knot.v)
+            self._open(k, self._steps[k].q, self._steps[k].v)
         return True
 
     def _open(self, k: int, q: FloatArray, v: FloatArray) -> None:
@@ -151,9 +152,13 @@ class Horizon:
         difference(self.floating, self.q[k + 1], q, self.gaps[k, :n])
         self.gaps[k, n:] = v - self.v[k + 1]
 
-    def _keep(self, k: int, knot: Knot) -> None:
-        """Copy what the costs and the result need of a step."""
-        self.J[k], self.heights[k], self.impulses[k] = knot.jacobian, knot.gaps, knot.impulses
+    def _advance(self, k: int) -> bool:
+        """Step from a knot's state under its torques; return whether the contact problem is solved."""
+        step = self._knot.step(self.q[k], self.v[k], self.torques[k], self.mu)
+        self._steps.append(step)
+        # what the costs and the result need
+        self.J[k], self.heights[k], self.impulses[k] = step.contacts.J, step.gaps, step.impulses
+        return step.solved
 
     @property
     def motion(self) -> Motion:
@@ -171,11 +176,11 @@ class Horizon:
         return self.cost
 
     def differentiate(self, smoothing: float) -> bool:
-        """Fill A, B and `rates`; return whether the central path was reached at every knot."""
-        for k, knot in enumerate(self._knots):
+        """Fill A, B and `rates`; return whether all steps were solved and reached the central path."""
+        for k, step in enumerate(self._steps):
             try:
-                knot.derivative(smoothing, (self.A[k], self.B[k]))
+                self._knot.derivative(step, smoothing, (self.A[k], self.B[k]))
             except NoSolution:
                 return False
-            self.rates[k] = knot.contact_rates()
-        return True
+            self.rates[k] = self._knot.contact_rates(step)
+        return len(self._steps) == len(self)

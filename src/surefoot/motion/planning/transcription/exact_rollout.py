@@ -71,8 +71,8 @@ def gains(problem: PairProblem, motion: Motion) -> FloatArray:
     for k in reversed(range(problem.knots)):
         torques = np.clip(motion.torques[k], -limits, limits)
         try:
-            knot.step(motion.q[k], motion.v[k], torques, problem.mu)
-            A, B = knot.derivative(smoothing=SMOOTHING)
+            step = knot.step(motion.q[k], motion.v[k], torques, problem.mu)
+            A, B, _ = knot.derivative(step, smoothing=SMOOTHING)
         except NoSolution:
             return out
         B = B[:, motors]
