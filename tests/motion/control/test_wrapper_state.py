@@ -59,7 +59,7 @@ def test_a_state_goes_on_in_another_wrapper() -> None:
 
 def test_a_class_that_names_nothing_of_its_own_has_no_state() -> None:
     """What its parent names is not all that lasts in it."""
-    with pytest.raises(ProblemError, match="an? Unnamed does not name what lasts in it"):
+    with pytest.raises(ProblemError, match="Unnamed does not name what lasts in it"):
         _ = Unnamed(Counter()).state
     with pytest.raises(ProblemError, match="not that of a Adding"):
         Adding(Counter()).resume({"own": {}})
