@@ -60,7 +60,7 @@ def assert_inside(axis: Any) -> None:
 def test_regions_of_a_rectangle_are_the_rectangle(drawn: list[Any], tmp_path: Path) -> None:
     """On level ground with enough friction, the centre of mass may be anywhere between the feet.
 
-    So may the zero-moment point: it is off the centre of mass by at most 0.35 m, friction times height is 0.45.
+    So may the zero-moment point: it is at most 0.35 m off the centre, and friction times height is 0.45 m.
     """
     asked = question()
     regions = com_region(asked.stance, MASS), zmp_region(asked.stance, asked.com, MASS)
