@@ -59,3 +59,18 @@ def test_a_walk_finds_its_payload_and_says_so(tmp_path: Path, printed: Any) -> N
 def test_a_fall_is_exit_code_one(tmp_path: Path, printed: Any) -> None:
     options = ["--push", "0.5:0,1500,0:0.2", "--duration", "3", "--no-video", "--no-report"]
     assert "go2 fell after" in printed("walk", *options, "--out", tmp_path, code=1)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--gait", "walk"], "takes no --gait or period"),
+        (["--dropout", "0.1:0.1"], "takes no --commands, --dropout"),
+    ],
+)
+def test_a_planner_without_gait_refuses_what_is_of_gaits(
+    options: list[str], words: str, printed: Any, tmp_path: Path
+) -> None:
+    ask = ["walk", "go2", "--planner", "contact-implicit", *options, "--no-video", "--out", tmp_path]
+    assert words in printed(*ask, code=2)
+    assert not list(tmp_path.iterdir())

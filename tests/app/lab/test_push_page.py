@@ -50,6 +50,16 @@ def test_a_kick_changes_the_velocity_by_its_impulse(robot: sf.Robot) -> None:
     assert gained[1] == pytest.approx(60.0 * 0.02, rel=0.05)
 
 
+def test_a_kick_of_no_given_length_lasts_a_tenth_of_a_second(robot: sf.Robot) -> None:
+    run = WalkRun(robot, Choices(gait="stand"))
+    run.kick(np.array([0.0, 60.0, 0.0]))
+    pushed = 0
+    for _ in range(200):
+        run.step()
+        pushed += bool(run.push.any())
+    assert pushed * run.world.dt == pytest.approx(0.1, abs=2.0 * run.world.dt)
+
+
 def test_a_robot_that_fell_lies_and_stands_up_again(robot: sf.Robot) -> None:
     run = WalkRun(robot)
     go(run, 500)

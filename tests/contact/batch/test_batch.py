@@ -53,11 +53,13 @@ def test_a_batch_is_its_problems(laws: dict[str, Any]) -> None:
             np.testing.assert_allclose(getattr(back, name)[k], getattr(wanted, name), rtol=1e-10, atol=1e-11)
 
 
-def test_redundant_contacts_in_a_batch() -> None:
-    J = np.vstack([np.eye(3), np.eye(3)])
+@pytest.mark.parametrize("contacts", [2, 8])
+def test_redundant_contacts_in_a_batch(contacts: int) -> None:
+    """All on one point mass; of many, what the singular system misses needs all of its row of memory."""
+    J = np.vstack([np.eye(3)] * contacts)
     g = np.stack([J @ v for v in ([0.1, 0.0, -1.0], [0.2, 0.1, -1.0], [0.0, 0.0, -2.0])])
     batch = sf.solve_batch(np.tile(J @ J.T, (3, 1, 1)), g, 0.5, derivative=True)
-    weights = np.random.default_rng(0).normal(size=(2, 3, 2, 3))
+    weights = np.random.default_rng(0).normal(size=(2, 3, contacts, 3))
     back = batch.derivative.vjp(*weights)
     assert not back.regular.any()
     for k in range(3):

@@ -9,6 +9,7 @@ import pytest
 
 import surefoot as sf
 from surefoot.base.errors import NoSolution
+from surefoot.contact.derivative import kinks
 from surefoot.contact.derivative.central_path import central_path
 from surefoot.contact.derivative.solution_derivative import BLOCKS
 
@@ -123,6 +124,22 @@ def test_a_body_that_touches_without_load_begins_to_slide_or_lifts() -> None:
     np.testing.assert_allclose(sticks.forces, [[-0.3, -0.4, 2.0]], atol=1e-12)
     lifts = d.jvp(g=[3.0, 4.0, 2.0])
     np.testing.assert_allclose(lifts.forces, np.zeros((1, 3)), atol=1e-12)
+
+
+@pytest.mark.parametrize("pivots", [100, 0])
+def test_rates_of_bodies_that_touch_without_load_are_a_contact_problem(
+    pivots: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Cones know no size: the rates obey the law itself, however their modes are found."""
+    monkeypatch.setattr(kinks, "PIVOTS", pivots)  # at 0 all choices are tried in turn
+    J = np.random.default_rng(2).normal(size=(9, 12))
+    d = sf.solve(sf.ContactProblem(J @ J.T, np.zeros(9), 0.5)).derivative()
+    for seed in range(8):
+        b = np.random.default_rng(seed).normal(size=9)
+        wanted = sf.solve(sf.ContactProblem(J @ J.T, b, 0.5), tol=1e-12)
+        found = d.jvp(g=b)
+        np.testing.assert_allclose(found.forces, wanted.forces, atol=1e-9)
+        np.testing.assert_allclose(found.velocities, wanted.velocities, atol=1e-9)
 
 
 def test_friction_that_begins_is_a_kink_where_nothing_slips() -> None:

@@ -150,6 +150,17 @@ def test_rolling_friction_in_fclib_is_named(tmp_path: Path) -> None:
         read_problem(path)
 
 
+def test_a_small_file_claims_no_more_numbers_than_it_can_hold(tmp_path: Path) -> None:
+    """A chunk that was never written takes no place in the file, and all its place in memory."""
+    h5py = pytest.importorskip("h5py")
+    path = write_problem(some_problem(), tmp_path / "huge.hdf5")
+    with h5py.File(path, "r+") as file:
+        del file["fclib_local/W/x"]
+        file.create_dataset("fclib_local/W/x", shape=(10**13,), dtype="f8", chunks=(1024,))
+    with pytest.raises(sf.ProblemError, match="claims 10000000000000 entries"):
+        read_problem(path)
+
+
 def test_missing_and_unknown_files(tmp_path: Path) -> None:
     with pytest.raises(sf.ProblemError, match="no such file"):
         read_problem(tmp_path / "none.dat")

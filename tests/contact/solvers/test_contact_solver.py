@@ -79,6 +79,14 @@ def test_a_wild_call_leaves_no_start(wild: float) -> None:
         assert solver.solve(p.G, 1.01 * p.g).iterations < fresh
 
 
+@pytest.mark.parametrize("most", [0, 1, 2, 3, 5])
+def test_all_methods_together_take_the_iterations_that_are_allowed(most: int) -> None:
+    """What the compiled call leaves unsolved goes on by other methods, on what is left of the same budget."""
+    for p in four_contacts():
+        found = sf.ContactSolver(4, p.mu, tol=1e-13, max_iterations=most).solve(p.G, p.g)
+        assert found.iterations <= most
+
+
 def test_hard_input_is_answered_and_forgotten() -> None:
     """NaN, infinity, overflow: a status, finite forces, and the next call is not spoilt."""
     p = four_contacts()[0]

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import surefoot as sf
 from surefoot.base.kernels import kernel
 from surefoot.base.numerics import six
 from surefoot.base.numerics.projection import project_truncated
@@ -216,3 +217,19 @@ def test_a_steady_change_is_foretold_and_noise_is_not():
     np.testing.assert_allclose(run_memory(work, 2, tuple(jump - 3.0 * d)), jump - 6.0 * d)
     layout.set_limits(work, np.zeros(2), np.ones(2), np.ones(2, dtype=np.bool_))
     assert work[3, layout.TREND] == 0.0
+
+
+def test_what_doubles_cannot_tell_any_better_is_solved():
+    """With no error allowed at all, forces inside their cones are those of the linear equations."""
+    feet = np.array([[x, y, -0.3] for x in (0.2, -0.2) for y in (0.15, -0.15)])
+    turns = np.cross(np.repeat(feet, 3, axis=0), np.tile(np.eye(3), (4, 1))).T
+    A, r = np.vstack([np.tile(np.eye(3), 4), turns]), 1e-3
+    distributor = sf.ForceDistributor(mu=0.6, normal_min=5.0, normal_max=250.0, force_weight=r, tol=0.0)
+    rng = np.random.default_rng(0)
+    for _ in range(5):
+        w = rng.normal(size=6) * [5.0, 5.0, 20.0, 1.0, 1.0, 1.0] + [0.0, 0.0, 160.0, 0.0, 0.0, 0.0]
+        expected = np.linalg.solve(A.T @ A + r * np.eye(12), A.T @ w).reshape(4, 3)
+        assert expected[:, 2].min() > 5.0
+        assert (np.linalg.norm(expected[:, :2], axis=1) < 0.6 * expected[:, 2]).all()
+        np.testing.assert_allclose(distributor.solve(A, w), expected, atol=1e-9)
+        assert distributor.status is sf.Status.SOLVED

@@ -219,6 +219,14 @@ def test_a_solver_that_stops_early_is_named() -> None:
     )
 
 
+@pytest.mark.parametrize("sweeps", [1, 2])
+def test_forces_that_noslip_changes_afterwards_are_not_called_unconverged(sweeps: int) -> None:
+    """Noslip sweeps change the solver's forces on purpose: another solver's are no measure of them."""
+    option = f"solver='PGS' iterations='1' noslip_iterations='{sweeps}'"
+    assert "solver_error" not in slid(option).arrays
+    assert "solver_error" in slid("solver='PGS' iterations='1'").arrays
+
+
 def test_what_hides_anything_names_the_remedy() -> None:
     log = slid(geom="solref='.2 1'")
     report = sf.audit_log(log)

@@ -155,3 +155,31 @@ def test_what_soft_ground_declares_counts_in_summary_and_audit_alike(world: str)
     assert sf.audit_log(log).verdict == "lawful"
     hard = replace(laws, sinking=0.0)
     assert "penetration" in hard.broken(robot.mass * GRAVITY)[0]
+
+
+def test_there_is_no_derivative_of_a_step_before_the_first() -> None:
+    world = RigidWorld(sf.load_robot("go2"))
+    with pytest.raises(sf.ProblemError, match="before the first step"):
+        world.derivative()
+    world.step(np.zeros(12))
+    world.derivative()
+    world.reset(world.robot.nominal)
+    with pytest.raises(sf.ProblemError, match="before the first step"):
+        world.derivative()
+
+
+def test_soft_ground_under_a_robot_that_never_lands_gives_way_by_its_weight_alone() -> None:
+    """A spring stops what comes at no speed at twice its rest depth: m g x = k x² / 2."""
+    robot, stiffness = sf.load_robot("go2"), 2e4
+    world = RigidWorld(robot, law=sf.laws.SpringDamper(stiffness, 400.0))
+    speeds = np.tile([0.0, 0.0, -1.0], (3, 4, 1))
+
+    def sinking(loads: np.ndarray) -> float:
+        rows = {"forces": loads, "contact_velocities": speeds}
+        return world.softness(rows)["sinking"]  # type: ignore[arg-type]  # it reads two channels
+
+    assert sinking(np.zeros((3, 4, 3))) == pytest.approx(2.0 * robot.mass * GRAVITY / stiffness, rel=1e-3)
+    loads = np.zeros((3, 4, 3))
+    loads[2, 1, 2] = 10.0  # and one that lands at 1 m/s: x = d + sqrt(d² + m v² / k)
+    depth = robot.mass * GRAVITY / stiffness
+    assert sinking(loads) == pytest.approx(depth + np.sqrt(depth**2 + robot.mass / stiffness), rel=1e-3)

@@ -71,3 +71,16 @@ def test_go2_stands_on_uneven_ground(terrain):
     assert rows["gap"].min() > -5e-5
     assert rows["speed"][-1] < 0.05
     assert world.unsolved == 0
+
+
+def test_applied_torques_are_what_the_motors_give():
+    """A motor at rest gives its peak torque at the most: what is asked beyond it is cut there."""
+    robot = sf.load_robot("go2")
+    world = RigidWorld(robot, actuators="real")
+    asked = np.zeros(robot.joints)
+    asked[:2] = 5.0, -1000.0
+    world.step(asked)
+    assert world.applied[0] == pytest.approx(5.0)
+    assert -1000.0 < world.applied[1] < -5.0
+    assert np.abs(world.applied[1]) <= robot.effort_limits[1] * (1.0 + 1e-12)
+    np.testing.assert_allclose(world.applied[2:], 0.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pinocchio
@@ -11,6 +11,7 @@ import pytest
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY, rotation_from_quaternion
 from surefoot.mechanics.robot import Robot
+from surefoot.motion.estimation.inekf import FilterNoise
 from surefoot.worlds.running.sensor_kernels import mean_readings
 from surefoot.worlds.running.sensors import EncoderModel, ImuModel, SensorModel, Sensors, TouchModel
 
@@ -84,6 +85,24 @@ def test_biases_walk(robot: Robot) -> None:
             sensors.read(robot.nominal, np.zeros(18))
         ends.append(sensors.biases[0].copy())
     assert np.std(ends) == pytest.approx(0.01, rel=0.2)  # after one second
+
+
+@pytest.mark.parametrize("level", [0.0, 1.0, 30.0])
+def test_a_filter_believes_in_no_less_noise_than_there_is(level: float) -> None:
+    """A filter that trusts a sensor more than it deserves drifts; and no belief falls below the default."""
+    sensors, usual = SensorModel().scaled(level), FilterNoise()
+    imu, encoders, belief = sensors.imu, sensors.encoders, sensors.filter_noise()
+    there = {
+        "gyro": imu.gyro_noise, "accelerometer": imu.accelerometer_noise,
+        "gyro_drift": imu.gyro_drift, "accelerometer_drift": imu.accelerometer_drift,
+        "joint": np.hypot(encoders.noise, encoders.step / np.sqrt(12.0)),
+        "joint_speed": np.hypot(encoders.speed_noise, encoders.speed_step / np.sqrt(12.0)),
+        "tilt": sensors.tilt, "gyro_bias": imu.gyro_bias, "accelerometer_bias": imu.accelerometer_bias,
+    }  # fmt: skip
+    for one in fields(usual):
+        assert getattr(belief, one.name) >= max(getattr(usual, one.name), there.get(one.name, 0.0)), one.name
+    if level == 0.0:
+        assert belief == usual
 
 
 def test_numbers_come_late_in_steps_and_within_range(robot: Robot) -> None:

@@ -15,7 +15,7 @@ from surefoot.contact.solution import Status
 from surefoot.mechanics.robot import load_robot
 from surefoot.mechanics.robot.motor_limits import motor_limits
 from surefoot.mechanics.robot.quadruped import mirrored_joints, quadruped_order
-from surefoot.mechanics.terrain import rough_ground
+from surefoot.mechanics.terrain import StairsTerrain, rough_ground
 from surefoot.motion.planning.planner import plan
 from surefoot.motion.planning.schedule import ScheduledMotion, ScheduleProblem, optimise
 from surefoot.motion.planning.schedule.mirror import found_in_half, robot_reflections
@@ -178,6 +178,15 @@ def test_a_search_begins_from_a_motion_that_is_its_own_image(found) -> None:
     q = half.variables[:-37].reshape(problem.knots, -1)[:, :19]
     assert np.abs(q @ robot_reflections(problem.robot)[0].T - q).max() < 1e-12
     assert optimise(problem, max_iterations=half.iterations + 8).found
+
+
+@pytest.mark.parametrize("rise", [0.0, 0.1])
+def test_only_a_jump_onto_something_must_land_softly(go2, rise: float) -> None:
+    """However low the box is: its feet stop above the old ground, which no fall from there prepares."""
+    ground = StairsTerrain(rise, 2.0, 1) if rise else None
+    problem = jump(go2, 0.75, 0.0, 0.6, 0.02, terrain=ground)
+    assert math.isfinite(problem.touchdown_speed) == (rise > 0.0)
+    assert (problem.reference[-1, 2] - problem.reference[0, 2]) == pytest.approx(rise, abs=0.01)
 
 
 BAD = {

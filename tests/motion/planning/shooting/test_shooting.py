@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 
 import numpy as np
 import pytest
 import scipy.linalg
 
-from surefoot.base.errors import ProblemError
+from surefoot.base.errors import ModelError, ProblemError
 from surefoot.contact.solution import Status
 from surefoot.mechanics.robot import Robot, load_robot, place
 from surefoot.motion.planning import rollout
@@ -22,6 +23,7 @@ from surefoot.motion.planning.shooting import (
     StateCost,
     TorqueCost,
 )
+from surefoot.motion.planning.shooting.horizon import Horizon
 from surefoot.motion.planning.shooting.initial_torques import holding_torques
 from tests.robots import go2
 
@@ -181,6 +183,20 @@ def test_bad_input_is_named(change: dict[str, object], word: str) -> None:
     given = {"q": place(go2()), "v": np.zeros(18), **change}
     with pytest.raises(ProblemError, match=word):
         Shooting(squat()).solve(**given)  # type: ignore[arg-type]
+
+
+def test_robots_that_no_torque_can_steer_are_refused(tmp_path: Path) -> None:
+    """A free body has no torques, and one hinge one velocity; a body with one leg is enough."""
+    body, leg = LINK.format("body", "0 0 0", 3), LINK.format("leg", "0 0 -0.3", 0.3)
+    knee = JOINT.format("knee", "prismatic", "body", "leg", "0 0 1", 200)
+    for parts, fixed, enough in (
+        ((body,), False, False), ((body, leg, knee), True, False), ((body, leg, knee), False, True),
+    ):  # fmt: skip
+        feet = ["leg"] if len(parts) > 1 else []
+        robot = robot_of(tmp_path, *parts, feet=feet, fixed=fixed)
+        told = contextlib.nullcontext() if enough else pytest.raises(ModelError, match="two velocities")
+        with told:
+            assert len(Horizon(robot, 2, 0.01, 0.5, None)) == 2
 
 
 @pytest.mark.parametrize("change", [{"knots": 0}, {"dt": -1.0}, {"mu": np.nan}])
