@@ -3,8 +3,8 @@
     python -m tests.mutations --seed 0 --count 100 [--package contact/cones] [--tests "tests/axioms"]
 
 A change is an operator (+ and -, * and /, < and <=, and, or, ...), a constant, or a dropped statement, drawn
-with the seed from the lines of code of a package (all packages, by their lines, if none is named). It is made
-in a copy of the checkout that is removed afterwards. A change is caught when the package's tests fail, or run
+with the seed from the lines of code of a package (all packages, by their lines, if none is named), but not in
+annotations, which mypy judges. It is made in a copy of the checkout that is removed afterwards. A change is caught when the package's tests fail, or run
 for much longer than without it; `--all` judges by the tests that are marked long as well. The last line tells
 how many of how many were caught; the exit code is 0 unless a package's tests fail without any change.
 """
@@ -62,8 +62,11 @@ def tests_of(package: str) -> list[str]:
 
 def mutations(file: Path, source: str) -> Iterator[Mutation]:
     """Yield every change of a single line that a file of the package may have, some of them no Python."""
-    lines = source.splitlines()
-    for node in ast.walk(ast.parse(source)):
+    lines, tree = source.splitlines(), ast.parse(source)
+    unread = set(_annotations(tree))
+    for node in ast.walk(tree):
+        if node in unread:
+            continue
         number, end = getattr(node, "lineno", 0), getattr(node, "end_lineno", 0)
         if not number or number != end:
             continue
@@ -73,6 +76,14 @@ def mutations(file: Path, source: str) -> Iterator[Mutation]:
             after = line[:start] + text + line[stop:]
             if after != line:
                 yield Mutation(file, number, line, after)
+
+
+def _annotations(tree: ast.AST) -> Iterator[ast.AST]:
+    """Yield every node within an annotation: no test reads one, mypy judges them all."""
+    for node in ast.walk(tree):
+        for name in ("annotation", "returns"):
+            if isinstance(own := getattr(node, name, None), ast.AST):
+                yield from ast.walk(own)
 
 
 def _column(line: str, offset: int) -> int:
