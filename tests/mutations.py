@@ -4,7 +4,8 @@
 
 A change is an operator (+ and -, * and /, < and <=, and, or, ...), a constant, or a dropped statement, drawn
 with the seed from the lines of code of a package (all packages, by their lines, if none is named), but not in
-annotations, which mypy judges. It is made in a copy of the checkout that is removed afterwards. A change is caught when the package's tests fail, or run
+annotations, which mypy judges. It is made in a copy of the checkout that is removed afterwards.
+A change is caught when the package's tests fail, or run
 for much longer than without it; `--all` judges by the tests that are marked long as well. The last line tells
 how many of how many were caught; the exit code is 0 unless a package's tests fail without any change.
 """
