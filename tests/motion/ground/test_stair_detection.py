@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from surefoot.mechanics.terrain import FlatTerrain, StairsTerrain, Terrain, read_terrain
-from surefoot.motion.ground.stair_detection import FINE, LOOKS, PATIENCE, StairWatch, find_edges, find_stairs
+from surefoot.motion.ground.ground_settings import STAIR_DETECTION
+from surefoot.motion.ground.stair_detection import FINE, StairWatch, find_edges, find_stairs
 from surefoot.motion.ground.stair_fit import StairSteps
 
 WAYS = np.arange(-1.0, 1.1, FINE)
@@ -65,7 +66,7 @@ def _watch(terrain: Terrain, watch: StairWatch, places: np.ndarray, start: float
 def test_what_is_remembered_is_even_and_ends_after_the_last_edge() -> None:
     stairs, watch = StairsTerrain(0.12, 0.3), StairWatch()
     assert watch.steps is None
-    time = _watch(stairs, watch, np.full(LOOKS - 1, -0.3))
+    time = _watch(stairs, watch, np.full(STAIR_DETECTION.looks - 1, -0.3))
     assert watch.steps is None
     time = _watch(stairs, watch, np.linspace(-0.3, 0.9, 30), time)
     assert watch.steps is not None
@@ -73,13 +74,13 @@ def test_what_is_remembered_is_even_and_ends_after_the_last_edge() -> None:
     kept = watch.steps
     time = _watch(FlatTerrain(), watch, np.zeros(3), time)
     assert watch.steps == kept
-    _watch(FlatTerrain(), watch, np.zeros(2 + round(PATIENCE / 0.1)), time)
+    _watch(FlatTerrain(), watch, np.zeros(2 + round(STAIR_DETECTION.patience / 0.1)), time)
     assert watch.steps is None
 
 
 def test_the_way_counts_and_not_the_world() -> None:
     stairs, watch = StairsTerrain(0.12, 0.3), StairWatch()
-    for k in range(LOOKS):
+    for k in range(STAIR_DETECTION.looks):
         watch.look(stairs, np.array([1.5, 0.0]), np.pi, 0.1 * k)  # backwards they go down
     assert watch.steps is not None
     assert watch.steps.rise == pytest.approx(-0.12, abs=0.005)

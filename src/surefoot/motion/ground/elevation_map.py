@@ -24,54 +24,46 @@ from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import BoolArray, FloatArray, finite_array, real_number
 from surefoot.base.memory import Remembering
+from surefoot.base.settings import Settings, setting
 from surefoot.mechanics import Terrain
 from surefoot.motion.ground.elevation_kernels import bilinear, fill_unknown, fuse_points, leave_out_strays
 
-NEIGHBOUR_SLOPE, NEIGHBOUR_STEP = 0.8, 0.012
-"""A neighbour belongs to a place's own surface if it is no further off than this slope and step [-, m]."""
-
 
 @dataclass(frozen=True)
-class MapSettings:
-    """The map's grid and what it believes.
+class MapSettings(Settings):
+    """The grid of a height map, and how it weighs what scans and feet measure."""
 
-    Attributes
-    ----------
-    spacing, half
-        Between cells, and from the robot to the map's border along each axis [m].
-    gate
-        Standard deviations beyond which a point contradicts its cell.
-    doubt
-        Share of the squared contradiction that is added to a cell's variance.
-    ageing
-        Growth of every cell's variance [m²/s].
-    touch
-        Standard deviation of a height that a foot touched [m].
-    anchor
-        Share of a foot's contradiction by which all of the map is moved.
-    apart
-        A foot that contradicts the map by more stands beside what the map shows: it moves nothing [m].
-    window
-        Half the width of the square whose plane gives a normal [cells].
-    """
-
-    spacing: float = 0.02
-    half: float = 1.2
-    gate: float = 3.0
-    doubt: float = 0.1
-    ageing: float = 4e-7
-    touch: float = 0.006
-    anchor: float = 0.15
-    apart: float = 0.04
-    window: int = 3
+    spacing: float = setting(0.02, "m", "distance between cells", low=1e-3, high=1.0)
+    half: float = setting(1.2, "m", "distance from the robot to the map's border along each axis")
+    gate: float = setting(3.0, "-", "standard deviations beyond which a point contradicts its cell", low=1e-9)
+    doubt: float = setting(
+        0.1, "-", "share of the squared contradiction that is added to a cell's variance", low=0.0
+    )
+    ageing: float = setting(4e-7, "m²/s", "growth of every cell's variance", low=0.0)
+    touch: float = setting(0.006, "m", "standard deviation of a height that a foot measures", low=1e-9)
+    anchor: float = setting(
+        0.15, "-", "share of a foot's contradiction by which all of the map is moved", low=0.0
+    )
+    apart: float = setting(
+        0.04,
+        "m",
+        "contradiction from which a foot stands beside what the map shows, and moves nothing",
+        low=1e-9,
+    )
+    window: int = setting(3, "-", "half the width of the square whose plane gives a normal, in cells", low=1)
+    neighbour_slope: float = setting(
+        0.8, "-", "slope up to which a neighbour belongs to a place's own surface", low=0.0
+    )
+    neighbour_step: float = setting(
+        0.012,
+        "m",
+        "step, beside the slope, up to which a neighbour belongs to a place's own surface",
+        low=0.0,
+    )
 
     def __post_init__(self) -> None:
-        real_number("spacing", self.spacing, low=1e-3, high=1.0)
+        super().__post_init__()
         real_number("half", self.half, low=4.0 * self.spacing, high=250.0 * self.spacing)
-        for name in ("gate", "touch", "apart"):
-            real_number(name, getattr(self, name), low=1e-9)
-        for name in ("doubt", "ageing", "anchor"):
-            real_number(name, getattr(self, name), low=0.0)
 
 
 class ElevationMap(Remembering, Terrain):
@@ -219,7 +211,7 @@ class ElevationMap(Remembering, Terrain):
         middle = self.height(places)[..., None]
         rise = self.height(places[..., None, :] + around) - middle
         far = np.linalg.norm(around, axis=1)
-        own = np.abs(rise) < NEIGHBOUR_SLOPE * far + NEIGHBOUR_STEP
+        own = np.abs(rise) < self.settings.neighbour_slope * far + self.settings.neighbour_step
         own &= own[..., ::-1]  # symmetric about the place, so that its own noise does not tilt the plane
         weights = own.astype(np.float64)
         moments = np.einsum("...k,ki,kj->...ij", weights, around, around)

@@ -16,22 +16,11 @@ import numpy as np
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.memory import Remembering
 from surefoot.mechanics import Terrain
+from surefoot.motion.ground.ground_settings import GROUND_ESTIMATE
 from surefoot.motion.state import RobotState
 
-LANDINGS = 3
-"""How many landings of each foot the plane under the feet goes through."""
-FORGETTING = 0.7
-"""Weight of a foot's landing against its next one."""
 DAMPING = 1e-4
 """Pull of the plane's slopes to zero where footholds do not say them [m²]."""
-SMOOTH = 0.004
-"""Distances of footholds from their plane that count as flat ground [m]."""
-BUMPS = 1.5
-"""Height by which ground may stick out, over the footholds' deviation from their plane."""
-STRIKE_REACH = 0.25
-"""A foot over known ground strikes what is so near before it, in heights of the centre of mass."""
-LOW = 0.22
-"""Steps lower than this share of the height of the centre of mass need nothing."""
 
 
 class BeliefTerrain(Remembering, Terrain):
@@ -121,7 +110,9 @@ class BeliefTerrain(Remembering, Terrain):
 
     def _only_now(self, ground: FloatArray) -> None:
         """Remember no landings but where the feet stand now, (n, 3) [m]."""
-        self._landings: list[deque[FloatArray]] = [deque([g.copy()], maxlen=LANDINGS) for g in ground]
+        self._landings: list[deque[FloatArray]] = [
+            deque([g.copy()], maxlen=GROUND_ESTIMATE.landings) for g in ground
+        ]
 
     @property
     def slope(self) -> FloatArray:
@@ -131,7 +122,7 @@ class BeliefTerrain(Remembering, Terrain):
     @property
     def bumps(self) -> float:
         """How far the ground may stick out between places where it is known [m]."""
-        return BUMPS * max(self._spread - SMOOTH, 0.0)
+        return GROUND_ESTIMATE.bumps * max(self._spread - GROUND_ESTIMATE.smooth, 0.0)
 
     def stumbled(self, time: float) -> None:
         """Learn that a foot struck an edge at a time [s]."""
@@ -150,7 +141,7 @@ class BeliefTerrain(Remembering, Terrain):
 
     def _path_ahead(self, sole: FloatArray, velocity: FloatArray) -> FloatArray:
         """Return places (5, 2) before a foot whose sole (3,) moves at a velocity (>= 2,) [m], [m/s]."""
-        ways = np.linspace(0.0, STRIKE_REACH * self._height, 5)[:, None]
+        ways = np.linspace(0.0, GROUND_ESTIMATE.strike_reach * self._height, 5)[:, None]
         return sole[:2] + ways * velocity[:2] / max(math.hypot(velocity[0], velocity[1]), 1e-6)
 
     def _fit(self) -> None:
@@ -160,7 +151,7 @@ class BeliefTerrain(Remembering, Terrain):
             known = [*landings, self._sought[k]] if k in self._sought else landings
             for age, place in enumerate(reversed(known)):
                 places.append(place)
-                weights.append(FORGETTING**age)
+                weights.append(GROUND_ESTIMATE.forgetting**age)
         points, shares = np.array(places), np.array(weights)
         # Weighted least squares of heights over the footholds' middle: slopes are damped, since two feet or
         # feet in one line say nothing about the slope across, and from the middle that pull leaves the level

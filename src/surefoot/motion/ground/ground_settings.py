@@ -37,5 +37,115 @@ class TouchedGroundSettings(Settings):
     steep_tread: float = setting(0.9, "h", "tread of stairs as steep as a drop is taken for", low=1e-3)
 
 
+@dataclass(frozen=True)
+class GroundPlaneSettings(Settings):
+    """The window of the plane that a body follows; lengths in heights h of the centre of mass."""
+
+    half_length: float = setting(2.0, "h", "half of the window's length along the heading", low=1e-3)
+    half_width: float = setting(0.5, "h", "half of the window's width", low=1e-3)
+    ahead: float = setting(0.1, "s", "time by which the window runs ahead of the body", low=0.0)
+
+
+@dataclass(frozen=True)
+class GroundEstimateSettings(Settings):
+    """Ground that a robot estimates from its feet; lengths in heights h of the centre of mass."""
+
+    landings: int = setting(3, "-", "landings of each foot that the plane under the feet goes through", low=1)
+    forgetting: float = setting(
+        0.7, "-", "weight of a foot's landing against its next one", low=0.0, high=1.0
+    )
+    smooth: float = setting(
+        0.004, "m", "distances of footholds from their plane that count as flat ground", low=0.0
+    )
+    bumps: float = setting(
+        1.5,
+        "-",
+        "height by which ground may stick out, over the footholds' deviation from their plane",
+        low=0.0,
+    )
+    strike_reach: float = setting(
+        0.25, "h", "distance up to which a foot over known ground may strike it", low=0.0
+    )
+    low: float = setting(0.22, "h", "height up to which steps of the ground need no preparation", low=0.0)
+
+
+@dataclass(frozen=True)
+class MappedGroundSettings(Settings):
+    """Ground that a range sensor maps."""
+
+    remembered: float = setting(
+        0.3, "s", "time for which poses of the base are kept, for scans that come late", low=0.0
+    )
+    stair_noise: float = setting(
+        0.004, "m", "noise of the height of stairs that edges and feet have located", low=0.0
+    )
+    strike_noise: float = setting(
+        2.0, "-", "height of an obstacle above a sole, in its noise, from which a foot can strike it", low=0.0
+    )
+
+
+@dataclass(frozen=True)
+class StairDetectionSettings(Settings):
+    """Stairs that are looked for in the heights along the way."""
+
+    behind: float = setting(1.0, "m", "distance behind the robot from which stairs are looked for", low=0.0)
+    ahead: float = setting(1.1, "m", "distance ahead of the robot up to which stairs are looked for", low=0.0)
+    least_jump: float = setting(0.04, "m", "jump of the height from which there is an edge", low=0.0)
+    treads: tuple[float, float] = setting((0.15, 0.6), "m", "least and largest tread of stairs", low=0.0)
+    even_treads: float = setting(
+        0.15, "-", "largest deviation of a tread from the median, as a share of it", low=0.0
+    )
+    even_rises: float = setting(
+        0.3, "-", "largest deviation of a rise from the median, as a share of it", low=0.0
+    )
+    looks: int = setting(5, "-", "looks of which stairs are the medians", low=1)
+    other: float = setting(0.03, "-", "change of the tread by which looks replace known stairs", low=0.0)
+    fitted: float = setting(0.005, "-", "change of the tread by which a fit replaces known stairs", low=0.0)
+    doubtful: float = setting(1.0, "s", "time after which an uncertain fit begins anew", low=0.0)
+    patience: float = setting(0.6, "s", "time without any edge after which stairs are over", low=0.0)
+
+
+@dataclass(frozen=True)
+class StairFitSettings(Settings):
+    """Errors that the filter of stairs reckons with, and when it takes stairs for known or lost."""
+
+    gate: float = setting(3.0, "-", "standard deviations beyond which a measurement is left out", low=0.0)
+    angle: float = setting(0.008, "rad", "standard deviation of a range sensor's mounting angle", low=0.0)
+    place: float = setting(0.004, "m", "standard deviation of an edge's place in a scan", low=0.0)
+    repeated: float = setting(
+        8.0, "-", "factor on variances of scans, which repeat the mounting's errors", low=1.0
+    )
+    drift: float = setting(
+        4e-3, "m/√s", "drift of the stairs along themselves in the estimated frame", low=0.0
+    )
+    rising: float = setting(6e-3, "m/√s", "drift of the stairs' height in the estimated frame", low=0.0)
+    turning: float = setting(2e-3, "rad/√s", "drift of the stairs' direction in the estimated frame", low=0.0)
+    stretch: float = setting(3e-4, "m/√s", "drift of treads and rises", low=0.0)
+    few: int = setting(5, "-", "least number of points on each side of an edge, or on a tread", low=1)
+    near: float = setting(
+        0.3, "-", "distance from an edge's expected place within which it is looked for, in treads", low=0.0
+    )
+    measurements: int = setting(4, "-", "measurements from which an edge is part of the stairs", low=1)
+    agreeing: float = setting(
+        0.6, "-", "least share of points on treads that lie at their heights", low=0.0, high=1.0
+    )
+    patience: int = setting(10, "-", "scans in turn with a lower share after which stairs are lost", low=0)
+    sure: float = setting(
+        0.01, "m", "standard deviation of the first edges from which stairs are known", low=0.0
+    )
+    touch: float = setting(0.003, "m", "standard deviation of a height that a foot measures", low=0.0)
+    level: float = setting(
+        0.004, "m", "standard deviation of a height that a scan measures, without its pitch", low=0.0
+    )
+    beside: int = setting(
+        2, "-", "treads before the first and beyond the last edge over which ground is taken for level", low=0
+    )
+
+
 TOUCHED_GROUND = TouchedGroundSettings()
+GROUND_PLANE = GroundPlaneSettings()
+GROUND_ESTIMATE = GroundEstimateSettings()
+MAPPED_GROUND = MappedGroundSettings()
+STAIR_DETECTION = StairDetectionSettings()
+STAIR_FIT = StairFitSettings()
 """The values in use."""

@@ -13,15 +13,9 @@ from surefoot.base.spatial import rotation_from_quaternion
 from surefoot.motion.ground.elevation_kernels import stair_heights
 from surefoot.motion.ground.elevation_map import ElevationMap
 from surefoot.motion.ground.ground_belief import BeliefTerrain
+from surefoot.motion.ground.ground_settings import MAPPED_GROUND
 from surefoot.motion.ground.stair_detection import StairWatch
 from surefoot.motion.state import RobotState
-
-REMEMBERED = 0.3
-"""How long the robot remembers where its base was, for scans that come late [s]."""
-FLIGHT_NOISE = 0.004
-"""By how much stairs may be off whose edges and feet have shown where they are [m]."""
-STRIKE_NOISE = 2.0
-"""A foot strikes nothing that is lower than this many times the noise below its sole."""
 
 
 class MappedGround(BeliefTerrain):
@@ -67,7 +61,7 @@ class MappedGround(BeliefTerrain):
     ) -> None:
         """See `BeliefTerrain.observe`; a scan goes where the base was believed to be when it was taken."""
         self._poses.append((state.time, state.q[:7].copy()))
-        while self._poses[0][0] < state.time - REMEMBERED:
+        while self._poses[0][0] < state.time - MAPPED_GROUND.remembered:
             self._poses.popleft()
         super().observe(state, ground, stance, sought, soles)
         scan = state.scan
@@ -97,7 +91,7 @@ class MappedGround(BeliefTerrain):
         """See `BeliefTerrain.may_strike`: not where the ground before the foot is known to be low."""
         path = self._path_ahead(sole, velocity)
         known = bool(self.map.known(path).all())
-        return not known or float(self.height(path).max()) > sole[2] - STRIKE_NOISE * self.noise
+        return not known or float(self.height(path).max()) > sole[2] - MAPPED_GROUND.strike_noise * self.noise
 
     @property
     def bumps(self) -> float:
@@ -128,7 +122,7 @@ class MappedGround(BeliefTerrain):
         """Return by how much the ground may be off at a (2,) place: less on stairs that are known [m]."""
         if self.watch.flight is None or not self._read(xy)[1].all():
             return self.noise
-        return FLIGHT_NOISE
+        return MAPPED_GROUND.stair_noise
 
     def height(self, xy: ArrayLike) -> FloatArray:
         """Return the believed height under (..., 2) places [m]: (...)."""

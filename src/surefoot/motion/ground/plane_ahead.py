@@ -13,13 +13,8 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.mechanics import Terrain
+from surefoot.motion.ground.ground_settings import GROUND_PLANE
 
-HALF_LENGTH = 2.0
-"""Half of the window's length along the heading, in heights of the centre of mass."""
-SIDE = 0.5
-"""Half of its width, likewise."""
-AHEAD = 0.1
-"""Time by which the window runs ahead of the body [s]."""
 DAMPING = 1e-3
 """Pull of the slopes to zero, as a share of the window's own spread."""
 
@@ -47,13 +42,13 @@ def plane_ahead(
         Of the centre of mass above the ground [m]; sets the window.
     """
     share = np.linspace(-1.0, 1.0, POINTS + 2)[1:-1]
-    along = HALF_LENGTH * height * share
-    across = SIDE * height * np.linspace(-1.0, 1.0, ROWS)
+    along = GROUND_PLANE.half_length * height * share
+    across = GROUND_PLANE.half_width * height * np.linspace(-1.0, 1.0, ROWS)
     offsets = np.stack(np.meshgrid(along, across, indexing="ij"), axis=-1).reshape(-1, 2)
     weights = np.repeat(1.0 + np.cos(np.pi * share), ROWS)
     weights = weights / weights.sum()
     c, s = math.cos(yaw), math.sin(yaw)
-    turned = offsets @ np.array([[c, s], [-s, c]]) + AHEAD * velocity[:2]
+    turned = offsets @ np.array([[c, s], [-s, c]]) + GROUND_PLANE.ahead * velocity[:2]
     heights = terrain.height(place + turned)
     rows = np.column_stack([np.ones(len(turned)), turned])
     normal = (rows * weights[:, None]).T @ rows

@@ -15,26 +15,11 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.memory import Remembering
 from surefoot.mechanics import Terrain
+from surefoot.motion.ground.ground_settings import STAIR_DETECTION
 from surefoot.motion.ground.stair_fit import StairFit, StairSteps
 
 FINE, ACROSS = 0.01, 4
 """Samples along the way [m], and over how many of them a jump is looked for: edges in a map are blurred."""
-BEHIND, AHEAD = 1.0, 1.1
-"""From where to where along the way stairs are looked for, from the robot's place [m]."""
-LEAST_JUMP = 0.04
-"""A jump over `ACROSS` samples from which there is an edge [m]."""
-TREADS = 0.15, 0.6
-"""The depths of treads that are believed [m]."""
-EVEN_TREADS, EVEN_RISES = 0.15, 0.3
-"""By how much the treads and the rises of stairs may differ, as shares of their medians."""
-LOOKS, OTHER = 5, 0.03
-"""Stairs are the medians of so many looks, and keep their tread until these differ by this share of it."""
-FITTED = 0.005
-"""The same for what is fitted to points."""
-DOUBTFUL = 1.0
-"""A fit that has not become sure for so long is begun anew [s]."""
-PATIENCE = 0.6
-"""Time without any edge after which stairs are over [s]."""
 
 
 class StairFlight(NamedTuple):
@@ -62,7 +47,7 @@ def find_edges(heights: FloatArray) -> tuple[FloatArray, FloatArray]:
     ([29.5, 59.5], [0.12, 0.12])
     """
     change = heights[ACROSS:] - heights[:-ACROSS]
-    at = np.flatnonzero(np.abs(change) > LEAST_JUMP)
+    at = np.flatnonzero(np.abs(change) > STAIR_DETECTION.least_jump)
     if not len(at):
         return np.empty(0), np.empty(0)
     apart = (np.diff(at) > 1) | (np.diff(np.sign(change[at])) != 0.0)
@@ -90,9 +75,13 @@ def find_stairs(heights: FloatArray) -> StairFlight | None:
         for last in range(first + 1, len(places)):
             treads, rises = FINE * np.diff(places[first : last + 1]), jumps[first : last + 1]
             tread, rise = float(np.median(treads)), float(np.median(rises))
-            even = np.abs(treads - tread).max() <= EVEN_TREADS * tread
-            even &= np.abs(rises - rise).max() <= EVEN_RISES * abs(rise)
-            if even and TREADS[0] <= tread <= TREADS[1] and last - first > longest - 1:
+            even = np.abs(treads - tread).max() <= STAIR_DETECTION.even_treads * tread
+            even &= np.abs(rises - rise).max() <= STAIR_DETECTION.even_rises * abs(rise)
+            if (
+                even
+                and STAIR_DETECTION.treads[0] <= tread <= STAIR_DETECTION.treads[1]
+                and last - first > longest - 1
+            ):
                 fitted, begin = np.polyfit(np.arange(last - first + 1), FINE * places[first : last + 1], 1)
                 best = StairFlight(
                     StairSteps(round(rise, 6), round(float(fitted), 6)), round(float(begin), 6)
@@ -123,29 +112,33 @@ class StairWatch(Remembering):
         self.flight: FloatArray | None = None
         self._fit: StairFit | None = None
         self._seen = self._time = self._begun = -math.inf
-        self._looks: deque[StairSteps] = deque(maxlen=LOOKS)
+        self._looks: deque[StairSteps] = deque(maxlen=STAIR_DETECTION.looks)
 
     def look(self, terrain: Terrain, place: FloatArray, yaw: float, time: float) -> None:
         """Look along the way of a robot at a (2,) place [m] with a heading [rad], at a time [s]."""
-        if self._fit is not None and (self._fit.lost or self._fit.distance_outside(place) > BEHIND):
+        if self._fit is not None and (
+            self._fit.lost or self._fit.distance_outside(place) > STAIR_DETECTION.behind
+        ):
             self.reset()
         if self.flight is not None:
             return
         along = np.array([math.cos(yaw), math.sin(yaw)])
-        heights = terrain.height(place + np.arange(-BEHIND, AHEAD, FINE)[:, None] * along)
-        if (np.abs(heights[ACROSS:] - heights[:-ACROSS]) > LEAST_JUMP).any():
+        heights = terrain.height(
+            place + np.arange(-STAIR_DETECTION.behind, STAIR_DETECTION.ahead, FINE)[:, None] * along
+        )
+        if (np.abs(heights[ACROSS:] - heights[:-ACROSS]) > STAIR_DETECTION.least_jump).any():
             self._seen = time
-        elif time - self._seen > PATIENCE:
+        elif time - self._seen > STAIR_DETECTION.patience:
             self.reset()
         found = find_stairs(heights)
         if found is None:
             return
-        if self._fit is None or time - self._begun > DOUBTFUL:
+        if self._fit is None or time - self._begun > STAIR_DETECTION.doubtful:
             self._begin(found, heights, along, place, time)
         self._looks.append(found.steps)
-        if len(self._looks) == LOOKS:
+        if len(self._looks) == STAIR_DETECTION.looks:
             rise, tread = (float(np.median(a)) for a in zip(*self._looks, strict=True))
-            self._adopt(StairSteps(rise, tread), OTHER)
+            self._adopt(StairSteps(rise, tread), STAIR_DETECTION.other)
 
     def _begin(
         self, found: StairFlight, heights: FloatArray, along: FloatArray, place: FloatArray, time: float
@@ -153,7 +146,7 @@ class StairWatch(Remembering):
         """Begin to fit a flight that has been found in (m,) heights along a way, see `look`."""
         ground = [round((found.begin - share * found.steps.tread) / FINE) for share in (0.7, 0.2)]
         level = float(np.median(heights[max(ground[0], 0) : max(ground[1], 1)]))
-        begin = float(place @ along) + found.begin - BEHIND
+        begin = float(place @ along) + found.begin - STAIR_DETECTION.behind
         self._fit = StairFit(along, begin, level, found.steps, place)
         self._begun = self._time = time
 
@@ -176,14 +169,14 @@ class StairWatch(Remembering):
     def _use(self, fit: StairFit) -> None:
         """Take a fit as the estimated flight of stairs."""
         self.flight = fit.parameters()
-        self._adopt(StairSteps(fit.rise, fit.tread), FITTED)
+        self._adopt(StairSteps(fit.rise, fit.tread), STAIR_DETECTION.fitted)
 
     def _adopt(self, steps: StairSteps, other: float) -> None:
         """Replace the estimated steps, if the treads differ by a share of at least `other`."""
         known = self.steps
         if (
             known is None
-            or abs(steps.rise - known.rise) > EVEN_RISES * abs(known.rise)
+            or abs(steps.rise - known.rise) > STAIR_DETECTION.even_rises * abs(known.rise)
             or abs(steps.tread / known.tread - 1.0) > other
         ):
             self.steps = steps

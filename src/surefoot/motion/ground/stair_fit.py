@@ -23,32 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
-
-GATE = 3.0
-"""Standard deviations beyond which a measurement is left out."""
-ANGLE, PLACE = 0.008, 0.004
-"""Usual errors of a range sensor's mounting [rad], [m]."""
-REPEATED = 8.0
-"""Scans repeat the mounting's errors: their variances count so many times."""
-DRIFT, RISING, TURNING, STRETCH = 4e-3, 6e-3, 2e-3, 3e-4
-"""By how much the flight wanders in the estimated frame in a second, as a standard deviation: along itself
-[m], in height [m], its direction [rad], and its treads and rises [m]."""
-FEW = 5
-"""Least number of points that tell an edge, on each side of it, or a tread."""
-NEAR = 0.3
-"""Share of a tread within which an edge is looked for about where it should be."""
-SEEN = 4
-"""An edge is there once so many measurements have said so."""
-AGREEING, PATIENCE = 0.6, 10
-"""Least share of points on treads that lie at their heights, and how many scans in turn may have fewer."""
-SURE = 0.01
-"""The flight is known from this standard deviation of its edges on [m]."""
-
-
-TOUCH, LEVEL = 0.003, 0.004
-"""Standard deviations of heights that a foot tells and that a scan does, its pitch apart [m]."""
-BESIDE = 2
-"""So many treads before the first edge and beyond the last one the ground is taken to be level."""
+from surefoot.motion.ground.ground_settings import STAIR_FIT
 
 
 class StairSteps(NamedTuple):
@@ -100,7 +75,7 @@ class StairFit:
         self._x = np.array([edge, steps.tread, 0.0])
         self._P = np.diag([0.1 * steps.tread, 0.06 * steps.tread, 0.06]) ** 2
         self._z = np.array([level, steps.rise, 0.0])
-        self._Q = np.diag([0.1 * steps.rise, 0.1 * steps.rise, ANGLE]) ** 2
+        self._Q = np.diag([0.1 * steps.rise, 0.1 * steps.rise, STAIR_FIT.angle]) ** 2
         self._times: dict[int, int] = {}
         self._missed = 0
 
@@ -121,17 +96,17 @@ class StairFit:
     @property
     def first(self) -> int:
         """Number of the first edge that is there."""
-        return min((k for k, times in self._times.items() if times >= SEEN), default=0)
+        return min((k for k, times in self._times.items() if times >= STAIR_FIT.measurements), default=0)
 
     @property
     def last(self) -> int:
         """Number of the last edge that is there."""
-        return max((k for k, times in self._times.items() if times >= SEEN), default=0)
+        return max((k for k, times in self._times.items() if times >= STAIR_FIT.measurements), default=0)
 
     @property
     def lost(self) -> bool:
         """Whether what is seen has contradicted it for long."""
-        return self._missed > PATIENCE
+        return self._missed > STAIR_FIT.patience
 
     def deviation(self, number: int) -> float:
         """Return the standard deviation of an edge's place [m]."""
@@ -142,7 +117,7 @@ class StairFit:
     def known(self) -> bool:
         """Whether two edges or more are there, and known well."""
         first = self.first
-        return self.last > first and max(self.deviation(first), self.deviation(first + 1)) < SURE
+        return self.last > first and max(self.deviation(first), self.deviation(first + 1)) < STAIR_FIT.sure
 
     def parameters(self) -> FloatArray:
         """Return what `stair_heights` takes: (10,)."""
@@ -153,8 +128,8 @@ class StairFit:
 
     def pass_time(self, elapsed: float) -> None:
         """Let the flight wander for a time [s]."""
-        self._P += np.diag([DRIFT, STRETCH, TURNING]) ** 2 * elapsed
-        self._Q += np.diag([RISING, STRETCH, 0.0]) ** 2 * elapsed
+        self._P += np.diag([STAIR_FIT.drift, STAIR_FIT.stretch, STAIR_FIT.turning]) ** 2 * elapsed
+        self._Q += np.diag([STAIR_FIT.rising, STAIR_FIT.stretch, 0.0]) ** 2 * elapsed
 
     def see(self, origin: FloatArray, points: FloatArray) -> None:
         """Learn from a scan.
@@ -188,7 +163,7 @@ class StairFit:
         """Learn that a foot stands at a (3,) point [m]."""
         number = self._number(point)
         if number is not None:
-            correct(self._z, self._Q, np.array([1.0, number, 0.0]), float(point[2]), TOUCH**2)
+            correct(self._z, self._Q, np.array([1.0, number, 0.0]), float(point[2]), STAIR_FIT.touch**2)
 
     def distance_outside(self, place: FloatArray) -> float:
         """Return the distance of a (2,) place before the first or beyond the last edge [m]."""
@@ -201,7 +176,7 @@ class StairFit:
         share = (s - float(self._x[0])) / self.tread
         number = math.floor(share) + 1
         inside = 0.1 < share - math.floor(share) < 0.9  # nearer to an edge it may be on either side
-        if not inside or not self.first - BESIDE <= number <= self.last + 1 + BESIDE:
+        if not inside or not self.first - STAIR_FIT.beside <= number <= self.last + 1 + STAIR_FIT.beside:
             return None
         return float(min(max(number, self.first), self.last + 1))
 
@@ -217,22 +192,22 @@ class StairFit:
         ahead = place - begin[0]
         if (ahead > 0.0) == (rise > 0.0):  # its riser faces the sensor
             on = (np.abs(z - 0.5 * (before + after)) < 0.2 * high) & (side * (w - begin[1]) > 0.0)
-            on &= np.abs(s - place - self._x[2] * w) < NEAR * self.tread
-            if int(on.sum()) < FEW:
+            on &= np.abs(s - place - self._x[2] * w) < STAIR_FIT.near * self.tread
+            if int(on.sum()) < STAIR_FIT.few:
                 return None
             aside = float(w[on].mean())
-            return float(np.median(s[on])), aside, REPEATED * PLACE**2
+            return float(np.median(s[on])), aside, STAIR_FIT.repeated * STAIR_FIT.place**2
         if drop < 0.1:
             return None
         # Where each ray passes the plane of the upper tread; one that goes on below it has passed the edge.
         share = drop / np.maximum(begin[2] - z, 0.5 * drop)
         through, beside = begin[0] + share * (s - begin[0]), begin[1] + share * (w - begin[1])
-        on = (np.abs(through - place - self._x[2] * beside) < NEAR * self.tread) & (
+        on = (np.abs(through - place - self._x[2] * beside) < STAIR_FIT.near * self.tread) & (
             side * (beside - begin[1]) > 0.0
         )
         stays = on & (np.abs(z - top) < 0.4 * high)
         goes = on & (z < top - 0.6 * high)
-        if min(int(stays.sum()), int(goes.sum())) < FEW:
+        if min(int(stays.sum()), int(goes.sum())) < STAIR_FIT.few:
             return None
         aside = float(beside[on].mean())
         turned = self._x[2] * (beside - aside)
@@ -241,8 +216,8 @@ class StairFit:
         # d/dα of drop cot α is (drop² + ahead²) / drop: what an error of the sensor's pitch moves the place
         # by.
         slope = (drop * drop + ahead * ahead) / drop
-        variance = PLACE**2 + float(self._Q[2, 2]) * slope * slope
-        return way * (found - tilt * slope), aside, REPEATED * variance
+        variance = STAIR_FIT.place**2 + float(self._Q[2, 2]) * slope * slope
+        return way * (found - tilt * slope), aside, STAIR_FIT.repeated * variance
 
     def _see_levels(self, begin: FloatArray, s: FloatArray, w: FloatArray, z: FloatArray) -> None:
         """Correct the heights, and what the sensor's pitch is wrong by, by the treads that a scan shows."""
@@ -250,23 +225,23 @@ class StairFit:
         number = np.floor(share) + 1.0
         low, high = self.first, self.last + 1
         inner = np.abs(share - np.floor(share) - 0.5) < 0.3  # rays near an edge see two levels
-        inner &= (number >= low - BESIDE) & (number <= high + BESIDE)
+        inner &= (number >= low - STAIR_FIT.beside) & (number <= high + STAIR_FIT.beside)
         there = int((inner & (number >= low) & (number <= high)).sum())
         level = self._z[0] + np.clip(number, low, high) * self._z[1]
         inner &= np.abs(z - level) < 0.4 * abs(self.rise)
         # A scan that finds too few of its points at the heights of the treads contradicts the stairs.
         here = int((inner & (number >= low) & (number <= high)).sum())
-        if here < AGREEING * there:
+        if here < STAIR_FIT.agreeing * there:
             self._missed += 1
             return
         self._missed = 0
-        for k in range(low - BESIDE, high + BESIDE + 1):
+        for k in range(low - STAIR_FIT.beside, high + STAIR_FIT.beside + 1):
             on = inner & (number == k)
-            if int(on.sum()) < FEW:
+            if int(on.sum()) < STAIR_FIT.few:
                 continue
             far = float(np.abs(s[on] - begin[0]).mean())
             row = np.array([1.0, float(min(max(k, low), high)), far])
-            correct(self._z, self._Q, row, float(np.median(z[on])), REPEATED * LEVEL**2)
+            correct(self._z, self._Q, row, float(np.median(z[on])), STAIR_FIT.repeated * STAIR_FIT.level**2)
 
 
 def parting(before: FloatArray, after: FloatArray) -> float:
@@ -290,7 +265,12 @@ def parting(before: FloatArray, after: FloatArray) -> float:
 
 
 def correct(
-    x: FloatArray, P: FloatArray, row: FloatArray, measured: float, variance: float, gate: float = GATE
+    x: FloatArray,
+    P: FloatArray,
+    row: FloatArray,
+    measured: float,
+    variance: float,
+    gate: float = STAIR_FIT.gate,
 ) -> bool:
     """Correct a state (n,) and its covariance (n, n) in place by a number that a row (n,) of it should be.
 

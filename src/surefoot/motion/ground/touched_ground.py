@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.spatial import base_velocity, heading_of
-from surefoot.motion.ground.ground_belief import LOW, BeliefTerrain
-from surefoot.motion.ground.ground_settings import TOUCHED_GROUND
+from surefoot.motion.ground.ground_belief import BeliefTerrain
+from surefoot.motion.ground.ground_settings import GROUND_ESTIMATE, TOUCHED_GROUND
 from surefoot.motion.state import RobotState
 
 
@@ -65,7 +65,7 @@ class Ledge:
     @staticmethod
     def begins(depth: float, height: float) -> bool:
         """Return whether a foot that is so deep below the ground it expected [m] may be over a drop."""
-        return depth > LOW * height
+        return depth > GROUND_ESTIMATE.low * height
 
     @property
     def edge(self) -> float:

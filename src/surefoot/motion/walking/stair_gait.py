@@ -16,7 +16,7 @@ import math
 
 from surefoot.mechanics import Terrain
 from surefoot.motion.gaits.gait import Gait
-from surefoot.motion.ground.ground_belief import LOW
+from surefoot.motion.ground.ground_settings import GROUND_ESTIMATE
 from surefoot.motion.walking.pace_settings import STAIR_GAIT
 from surefoot.motion.walking.walking_body import VelocityCommand
 
@@ -92,7 +92,9 @@ def speed_in_step(terrain: Terrain, speed: float, height: float, period: float) 
 
 def _high(terrain: Terrain, height: float) -> bool:
     """Return whether a ground is stairs with steps high enough to matter."""
-    return STAIR_GAIT.used and terrain.steepness > 0.0 and terrain.highest_step >= LOW * height
+    return (
+        STAIR_GAIT.used and terrain.steepness > 0.0 and terrain.highest_step >= GROUND_ESTIMATE.low * height
+    )
 
 
 def _cycles(terrain: Terrain, speed: float, height: float, period: float) -> tuple[float, float]:
