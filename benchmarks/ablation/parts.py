@@ -27,7 +27,7 @@ class WalkTask(Task):
     watch
         Whether the controller finds out friction.
     stops
-        Whether it is enough to stay up: a robot that stops before a drop does not go on, and one that has just
+        Whether it is enough to stay up: a robot that stops before a drop does not go on; one that has just
         reached stairs or a steep slope is slower than it should be elsewhere.
     """
 
@@ -87,7 +87,8 @@ TASKS: dict[str, WalkTask] = {
         _own("steps-blind", "low steps of 6 cm up, found by touch", 0.4, 5.0, terrain="stairs:0.06,0.3",
              knowledge="blind"),
         _own("ice-fast", "mu 0.2, 0.6 believed, found out, 0.8 m/s", 0.8, 4.0, mu=0.2, watch=True),
-        _own("laden", "a short trot, 5 kg off the middle", 0.5, 4.0, payload=5.0, payload_at=(0.1, 0.08, 0.08)),
+        _own("laden", "a short trot, 5 kg off the middle", 0.5, 4.0, payload=5.0,
+             payload_at=(0.1, 0.08, 0.08)),
         _own("rough", "a short trot over rough ground of 6 cm, blind", 0.5, 4.5,
              terrain="rough:1,0.06", knowledge="blind"),
         _own("gait-walk", "a short walk, 0.2 m/s", 0.2, 3.5, gait="walk"),
