@@ -27,7 +27,8 @@ class WalkTask(Task):
     watch
         Whether the controller finds out friction.
     stops
-        Whether it is enough to stay up: a robot that stops before a drop does not go on.
+        Whether it is enough to stay up: a robot that stops before a drop does not go on; one that has just
+        reached stairs or a steep slope is slower than it should be elsewhere.
     """
 
     gait: str = "trot"
@@ -64,14 +65,30 @@ TASKS: dict[str, WalkTask] = {
         _own("rough-map", "rough ground of 4 cm, seen, 0.8 m/s", 0.8, SHORT, terrain="rough:1,0.04",
              knowledge="map"),
         _own("ice-found", "mu 0.2, 0.6 believed, found out", 0.5, SHORT, mu=0.2, watch=True),
-        _own("stand", "standing, pushed", 0.0, 4.0, push=(0.0, 100.0)),
+        _own("stand", "standing, 100 N to the left", 0.0, 4.0, push=(0.0, 100.0), stops=True),
+        _own("stand-shoved", "standing, 250 N to the left", 0.0, 4.6, push=(0.0, 250.0), stops=True),
         _own("walk-auto", "standing", 0.0, 3.0),
         _own("trot", "a short trot, 0.8 m/s", 0.8, 3.5),
         _own("pushed", "a short trot, 0.5 m/s, 150 N to the left", 0.5, 4.6, push=(0.0, 150.0)),
         _own("shoved", "a short trot, 0.5 m/s, 250 N to the back left", 0.5, 4.6, push=(-177.0, 177.0)),
+        _own("shoved-aside", "a short trot, 0.5 m/s, 350 N to the left", 0.5, 4.6, push=(0.0, 350.0)),
+        _own("shoved-back", "a short trot, 0.5 m/s, 300 N back", 0.5, 4.6, push=(-300.0, 0.0)),
         _own("turn", "a short trot, 0.3 m/s, turning 1.2 rad/s", (0.3, 0.1, 1.2), 3.5),
         _own("fast", "a short trot, 1.7 m/s", 1.7, 4.2),
         _own("slope", "a short trot, 15 degrees down", 0.5, 4.0, terrain="slope:-15"),
+        _own("slope-up", "a short trot, 20 degrees up", 0.5, 4.0, terrain="slope:20"),
+        _own("steep-down", "a short trot, 25 degrees down", 0.5, 4.0, terrain="slope:-25", stops=True),
+        *(
+            _own(f"steps-{name}{end}", f"six seconds of stairs of 12 cm, {name}{title}", 0.4, 6.0,
+                 terrain=f"stairs:{rise},0.3", knowledge=knowledge, stops=knowledge == "map")
+            for knowledge, end, title in (("exact", "", ""), ("map", "-map", ", seen"))
+            for name, rise in (("up", "0.12"), ("down", "-0.12"))
+        ),
+        _own("steps-blind", "low steps of 6 cm up, found by touch", 0.4, 5.0, terrain="stairs:0.06,0.3",
+             knowledge="blind"),
+        _own("ice-fast", "mu 0.2, 0.6 believed, found out, 0.8 m/s", 0.8, 4.0, mu=0.2, watch=True),
+        _own("laden", "a short trot, 5 kg off the middle", 0.5, 4.0, payload=5.0,
+             payload_at=(0.1, 0.08, 0.08)),
         _own("rough", "a short trot over rough ground of 6 cm, blind", 0.5, 4.5,
              terrain="rough:1,0.06", knowledge="blind"),
         _own("gait-walk", "a short walk, 0.2 m/s", 0.2, 3.5, gait="walk"),
@@ -83,6 +100,11 @@ TASKS: dict[str, WalkTask] = {
         _own("g1-step", "G1, 0.3 m/s", 0.3, 5.5, robot="g1"),
         _own("g1-pushed", "G1, 0.3 m/s, 60 N to the left", 0.3, 5.0, robot="g1", push=(0.0, 60.0)),
         _own("g1-shoved", "G1, 0.3 m/s, 150 N to the left", 0.3, 5.0, robot="g1", push=(0.0, 150.0)),
+        _own("g1-thrown", "G1, 0.3 m/s, 250 N to the left", 0.3, 5.0, robot="g1", push=(0.0, 250.0)),
+        _own("g1-stopped", "G1, 0.3 m/s, 200 N back", 0.3, 5.0, robot="g1", push=(-200.0, 0.0)),
+        _own("g1-fast", "G1, 0.6 m/s", 0.6, 5.0, robot="g1"),
+        _own("g1-laden", "G1, 0.3 m/s, 5 kg ahead of the middle", 0.3, 5.5, robot="g1", payload=5.0,
+             payload_at=(0.08, 0.0, 0.15)),
         _own("g1-turning", "G1, 0.3 m/s, turning 0.3 rad/s", (0.3, 0.0, 0.3), 5.5, robot="g1"),
     )
 }  # fmt: skip
@@ -116,8 +138,8 @@ class Part:
 PARTS: dict[str, Part] = {
     part.name: part
     for part in (
-        Part("push-recovery", "behaviour: push recovery", ("push-left", "push-back-left", "shove-200-left"),
-             "push recovery"),
+        Part("push-recovery", "behaviour: push recovery",
+             ("push-left", "push-back-left", "shove-200-left", "shoved"), "push recovery"),
         Part("stop-at-drop", "behaviour: stop at drop", ("drop", "stairs-blind"), "stop at drop"),
         Part("slip", "behaviour: slip", ("ice-found",), "slip"),
         Part("seen-stairs", "behaviour: seen stairs", ("stairs-up-map", "stairs-down-map"), "seen stairs"),
@@ -126,13 +148,15 @@ PARTS: dict[str, Part] = {
         Part("stand-still", "behaviour: stand still", ("stand", "speed-0.5"), "stand still"),
         Part("ease", "lower swings while the body is calm", ("speed-0.8", "speed-1", "speed-1.4"),
              changes={"WalkSettings.ease": 1.0}),
-        Part("unease", "swings in full after an error of the velocity", ("push-left", "shove-200-left"),
+        Part("unease", "swings in full after an error of the velocity",
+             ("push-left", "shove-200-left", "shoved"),
              changes={"LeapSettings.calm": 10.0, "LeapSettings.uneasy": 20.0}),
         Part("brisk", "a gait hurries at brisk speeds", ("speed-0.8", "speed-1", "speed-1.4"),
              changes={"SpeedLimitSettings.brisk": 0.0}),
         Part("in-step", "in step with stairs: cycle and phase", STAIRS,
              changes={"StairGaitSettings.used": False}),
-        Part("phase", "in step with stairs: phase alone", STAIRS, changes={"StairPhaseSettings.used": False}),
+        Part("phase", "in step with stairs: phase alone", (*STAIRS, "steps-down"),
+             changes={"StairPhaseSettings.used": False}),
         Part("drops", "drops found by touch", ("drop", "stairs-blind"),
              changes={"TouchedGroundSettings.finds_drops": False}),
         Part("dip", "lower body down steps", ("stairs-down", "stairs-down-map"),

@@ -65,7 +65,8 @@ class Setting:
     def _allowed(self, value: float) -> float:
         """Return the value of its type within the limits that is next to a number."""
         low, high = self.info.low, self.info.high
-        kept = min(max(value, value if low is None else low), value if high is None else high)
+        kept = value if low is None else max(value, low)
+        kept = kept if high is None else min(kept, high)
         return int(kept) if self.info.whole else float(kept)
 
 

@@ -97,6 +97,7 @@ def the(name: str) -> Setting:
 def test_values_stay_within_the_limits_of_a_setting() -> None:
     assert the("WalkSettings.friction_share").values() == [0.45, 1.0]
     assert the("WalkSettings.horizon").values() == [5, 20]
+    assert the("WalkSettings.horizon").values(factors=[20.0]) == [1, 200]
     assert the("StairPhaseSettings.used").values() == [False]
     assert the("WalkSettings.ease").values([0.9, 0.55, 0.1]) == [0.1, 0.9]
     tried = the("WalkSettings.clearance").values(factors=[2.0, 10.0])

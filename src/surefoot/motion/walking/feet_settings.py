@@ -13,8 +13,10 @@ class SwingSettings(Settings):
     """Shape of the path of a foot through the air, in shares of the swing."""
 
     rise: float = setting(
-        0.45, "-", "share of the swing after which the foot is at its highest", low=0.0, high=1.0
-    )
+        0.45, "-", "share of the swing after which the foot is at its highest", low=0.0, high=1.0,
+        tuned="`surefoot bench ablation --vary SwingSettings.rise --factor 20 "
+        "--task steps-down --seeds 6`, 2026-11-26: as good from 0.0225 to 0.45",
+    )  # fmt: skip
     down: float = setting(
         0.95,
         "-",
@@ -30,12 +32,12 @@ class SwingSettings(Settings):
         high=1.0,
     )
     straight_from: float = setting(
-        0.92,
-        "-",
-        "share of the swing after which the foot does not move sideways, so that it lands straight",
-        low=0.0,
+        0.92, "-",
+        "share of the swing after which the foot does not move sideways, so that it lands straight", low=0.0,
         high=1.0,
-    )
+        tuned="`surefoot bench ablation --vary SwingSettings.straight_from --factor 20 "
+        "--task steps-down --seeds 6`, 2026-11-26: as good from 0.92 to 1",
+    )  # fmt: skip
     ramp: float = setting(
         0.15, "-",
         "share of the swing over which the acceleration along even ground rises from zero, and falls to it",
@@ -95,7 +97,11 @@ class FootholdSettings(Settings):
         "distance that a descending foot keeps from the edge behind it, which the shin leans over",
         low=0.0,
     )
-    low_step: float = setting(0.03, "m", "height difference from which ground is a step", low=0.0)
+    low_step: float = setting(
+        0.03, "m", "height difference from which ground is a step", low=0.0,
+        tuned="`surefoot bench ablation --vary FootholdSettings.low_step --factor 20 "
+        "--task steps-down --seeds 3`, 2026-11-26: as good from 0.0015 to 0.03",
+    )  # fmt: skip
     unsure: float = setting(
         0.01, "m", "additional distance to edges where their places are estimated", low=0.0
     )

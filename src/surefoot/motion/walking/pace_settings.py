@@ -25,8 +25,10 @@ class SpeedLimitSettings(Settings):
         "--task fast --seeds 6`, 2026-11-25: as good from 1 to 1",
     )  # fmt: skip
     force_factor: float = setting(
-        1.1, "-", "force of a foot in the middle of its stance over its mean", low=1.0
-    )
+        1.1, "-", "force of a foot in the middle of its stance over its mean", low=1.0,
+        tuned="`surefoot bench ablation --vary SpeedLimitSettings.force_factor --factor 20 "
+        "--task fast --seeds 6`, 2026-11-26: as good from 1 to 1.1",
+    )  # fmt: skip
     slope_speed: float = setting(
         0.75, "sqrt(g h)", "speed at which walking doubles the share of friction that a slope needs", low=0.0
     )
@@ -37,11 +39,12 @@ class SpeedLimitSettings(Settings):
         0.53, "-", "rise over tread of stairs beyond which nothing is tried", low=0.0
     )
     step_speed: float = setting(
-        0.142,
-        "sqrt(g h)",
+        0.142, "sqrt(g h)",
         "speed at which steps of the body's height are taken; it grows with the root of height over rise",
         low=0.0,
-    )
+        tuned="`surefoot bench ablation --vary SpeedLimitSettings.step_speed --factor 20 "
+        "--task steps-up --seeds 6`, 2026-11-26: as good from 0.142 to 2.84",
+    )  # fmt: skip
     hurried_period: float = setting(
         0.7, "-", "period of a gait in the greatest hurry over its own", low=0.0, high=1.0,
         tuned="`surefoot bench ablation --vary SpeedLimitSettings.hurried_period --factor 20 "
@@ -119,11 +122,15 @@ class LeapSettings(Settings):
     air_time: float = setting(0.5, "sqrt(h / g)", "time in the air of a body that leaps", low=0.0)
     ground_time: float = setting(0.44, "sqrt(h / g)", "time on the ground between two leaps", low=0.0)
     calm: float = setting(
-        0.06, "sqrt(g h)", "error of the velocity up to which a body moves as planned", low=0.0
-    )
+        0.06, "sqrt(g h)", "error of the velocity up to which a body moves as planned", low=0.0,
+        tuned="`surefoot bench ablation --vary LeapSettings.calm --factor 20 "
+        "--task trot --seeds 3`, 2026-11-26: as good from 0.06 to 0.06",
+    )  # fmt: skip
     uneasy: float = setting(
-        0.15, "sqrt(g h)", "error of the velocity from which feet are lifted in full", low=0.0
-    )
+        0.15, "sqrt(g h)", "error of the velocity from which feet are lifted in full", low=0.0,
+        tuned="`surefoot bench ablation --vary LeapSettings.uneasy --factor 20 "
+        "--task trot --seeds 3`, 2026-11-26: as good from 0.15 to 3",
+    )  # fmt: skip
     unease_time: float = setting(
         1.0, "s", "time in which swings come down again after such an error", low=1e-06
     )
@@ -144,16 +151,23 @@ class StairGaitSettings(Settings):
         tuned="`surefoot bench ablation --only in-step`, 2026-11-25: "
         "without it stairs take 15 to 57 % more work, and land 35 to 72 % harder",
     )
-    duty: float = setting(0.6, "-", "share of the cycle that each foot carries", low=0.0, high=1.0)
+    duty: float = setting(
+        0.6, "-", "share of the cycle that each foot carries", low=0.0, high=1.0,
+        tuned="`surefoot bench ablation --vary StairGaitSettings.duty --factor 20 "
+        "--task steps-down --seeds 3`, 2026-11-26: as good from 0.6 to 0.6",
+    )  # fmt: skip
     longest_cycle: float = setting(
-        2.2, "-", "longest cycle over the trot's own; slower bodies take more strides for a tread", low=1.0
-    )
+        2.2, "-", "longest cycle over the trot's own; slower bodies take more strides for a tread", low=1.0,
+        tuned="`surefoot bench ablation --vary StairGaitSettings.longest_cycle --factor 20 "
+        "--task steps-down --seeds 3`, 2026-11-26: as good from 2.2 to 44",
+    )  # fmt: skip
     longest_stride: float = setting(1.2, "h", "longest stride up or down steps", low=0.0)
     single: tuple[float, float] = setting(
-        (1.1, 1.15),
-        "-",
+        (1.1, 1.15), "-",
         "shortest cycle over the trot's where a tread takes one stride, and growth with rise over h",
-    )
+        tuned="`surefoot bench ablation --vary StairGaitSettings.single --factor 20 "
+        "--task steps-down --seeds 3`, 2026-11-26: as good from 0.055, 0.0575 to 1.1, 1.15",
+    )  # fmt: skip
     several: tuple[float, float] = setting(
         (-0.2, 5.5), "-", "shortest cycle over the trot's where a tread takes several strides, and its growth"
     )
@@ -179,10 +193,16 @@ class StairPhaseSettings(Settings):
         "strides looked ahead beyond the next one on stairs that come into view one after the other",
         low=0,
     )
-    pace_time: float = setting(0.75, "s", "time in which the body takes up its place", low=1e-06)
+    pace_time: float = setting(
+        0.75, "s", "time in which the body takes up its place", low=1e-06,
+        tuned="`surefoot bench ablation --vary StairPhaseSettings.pace_time --factor 20 "
+        "--task steps-down --seeds 3`, 2026-11-26: as good from 0.0375 to 0.75",
+    )  # fmt: skip
     most_change: float = setting(
-        0.15, "-", "largest share of the body's speed that taking up its place may cost", low=0.0, high=1.0
-    )
+        0.15, "-", "largest share of the body's speed that taking up its place may cost", low=0.0, high=1.0,
+        tuned="`surefoot bench ablation --vary StairPhaseSettings.most_change --factor 20 "
+        "--task steps-down --seeds 3`, 2026-11-26: as good from 0.15 to 1",
+    )  # fmt: skip
     in_step: float = setting(
         0.1,
         "-",

@@ -19,19 +19,20 @@ class PushRecoverySettings(Settings):
         low=0.0,
     )
     give: float = setting(
-        0.5, "sqrt(g h)", "largest distance of the reference velocity from the body's", low=0.0
-    )
+        0.5, "sqrt(g h)", "largest distance of the reference velocity from the body's", low=0.0,
+        tuned="`surefoot bench ablation --vary PushRecoverySettings.give --factor 20 "
+        "--task shoved --task shoved-back --seeds 3`, 2026-11-26: as good from 0.5 to 10",
+    )  # fmt: skip
     stride: float = setting(
         0.75, "h", "way of the body over a stance from which the gait is hurried", low=0.001
     )
     quickest: float = setting(1.6, "-", "largest factor by which the gait is hurried", low=1.0)
     height: float = setting(
-        0.8,
-        "-",
-        "height of the body over its own: feet far aside of a tall body are out of reach",
-        low=0.1,
+        0.8, "-", "height of the body over its own: feet far aside of a tall body are out of reach", low=0.1,
         high=1.0,
-    )
+        tuned="`surefoot bench ablation --vary PushRecoverySettings.height --factor 20 "
+        "--task shoved --seeds 3`, 2026-11-26: as good from 0.1 to 0.8",
+    )  # fmt: skip
     leap_error: float = setting(
         0.7,
         "sqrt(g h)",
@@ -60,25 +61,31 @@ class SlipSettings(Settings):
         low=0.0,
     )
     sliding_speed: float = setting(
-        0.07,
-        "sqrt(g h)",
-        "speed from which a foot slides: above what encoder noise makes of a foot at rest",
-        low=0.0,
-    )
+        0.07, "sqrt(g h)",
+        "speed from which a foot slides: above what encoder noise makes of a foot at rest", low=0.0,
+        tuned="`surefoot bench ablation --vary SlipSettings.sliding_speed --factor 20 "
+        "--task ice-fast --seeds 6`, 2026-11-26: as good from 0.07 to 1.4",
+    )  # fmt: skip
     filter_time: float = setting(
-        0.004, "s", "time constant with which the feet's speeds are smoothed", low=1e-06
-    )
+        0.004, "s", "time constant with which the feet's speeds are smoothed", low=1e-06,
+        tuned="`surefoot bench ablation --vary SlipSettings.filter_time --factor 20 "
+        "--task ice-fast --seeds 6`, 2026-11-26: as good from 0.0002 to 0.004",
+    )  # fmt: skip
     memory: float = setting(5.0, "s", "time for which a slide is remembered", low=0.0)
     margin: float = setting(
-        0.1, "-", "share of the friction that a slide showed which is left unused", low=0.0, high=1.0
-    )
+        0.1, "-", "share of the friction that a slide showed which is left unused", low=0.0, high=1.0,
+        tuned="`surefoot bench ablation --vary SlipSettings.margin --factor 20 "
+        "--task ice-fast --seeds 6`, 2026-11-26: as good from 0.005 to 0.1",
+    )  # fmt: skip
     least: float = setting(
         0.05, "-", "least friction that is counted on: with none, no force could be planned", low=0.001
     )
     speed: float = setting(1.7, "mu sqrt(g h)", "largest speed on slippery ground", low=0.0)
     acceleration: float = setting(
-        0.1, "mu g", "largest change of the reference velocity on slippery ground", low=0.0
-    )
+        0.1, "mu g", "largest change of the reference velocity on slippery ground", low=0.0,
+        tuned="`surefoot bench ablation --vary SlipSettings.acceleration --factor 20 "
+        "--task ice-fast --seeds 6`, 2026-11-26: as good from 0.1 to 2",
+    )  # fmt: skip
     soon: float = setting(
         0.003, "s", "age of a slide from which the friction that its foot uses counts at once", low=0.0
     )
