@@ -53,7 +53,7 @@ def test_a_dropped_ball(solref, solimp):
 def test_go2_rests_at_mujocos_depth():
     robot, soft = sf.load_robot("go2"), {"solref": (0.02, 1.0), "solimp": (0.9, 0.95)}
     made = MujocoWorld(robot, **soft)
-    inverse = made.model.body_invweight0[made.model.geom_bodyid[made._geoms], 0]
+    inverse = made.model.body_invweight0[made.model.geom_bodyid[made._reader.feet.geoms], 0]
     assert np.ptp(inverse) < 5e-3 * inverse.mean()  # one effective mass does for four feet
     law, depths = MujocoLaw(**soft, mass=float(1.0 / inverse.mean())), []
     for kind in (partial(MujocoWorld, **soft), partial(RigidWorld, law=law)):
