@@ -67,7 +67,7 @@ HELPED, IDLE_SHIFTS, DEPTH = 0.5, 2, 4
 from which the next one is found."""
 
 
-class Point(NamedTuple):
+class Iterate(NamedTuple):
     """Forces and velocities (n, 3) in the cone L, with their distances (n,) to its border."""
 
     x: FloatArray
@@ -152,7 +152,7 @@ class _Run:
         fill_measure(scales, self.measure)
         self.low, self.high = np.zeros(n), np.full(n, np.inf)
         self.memory = _Memory(n, self.factor.shape[1])
-        self.path: list[tuple[float, Point]] = []
+        self.path: list[tuple[float, Iterate]] = []
         self.best, self.error, self.last = forces, math.inf, forces
         self.error = self._error(forces, self._velocities(forces))
 
@@ -168,7 +168,7 @@ class _Run:
             if self.done >= self.most or working_time() > self.end:
                 return
 
-    def _hold(self, first: Point) -> bool:
+    def _hold(self, first: Iterate) -> bool:
         """Hold one shift after the other as long as that helps; tell whether the problem is solved."""
         shift, held, found, idle = self._shift(), [], [], 0
         for _ in range(MOST_SHIFTS if self.coulomb else 1):
@@ -183,13 +183,13 @@ class _Run:
             shift = _next_shift(held[-DEPTH:], found[-DEPTH:], self.speed)
         return False
 
-    def _start(self, size: float) -> Point:
+    def _start(self, size: float) -> Iterate:
         """Return the point that begins afresh: every contact's speed, and the force that stops it."""
         x, y = np.zeros(self.scale.shape), np.zeros(self.scale.shape)
         x[:, 2], y[:, 2] = size * self.force, self.speed
-        return Point(x, x[:, 2].copy(), y, y[:, 2].copy())
+        return Iterate(x, x[:, 2].copy(), y, y[:, 2].copy())
 
-    def _nearer(self, first: Point) -> Point:
+    def _nearer(self, first: Iterate) -> Iterate:
         """Return the last point of the path that is far enough from the border to go on from."""
         far = [point for gap, point in self.path if gap > BEFORE * self.energy]
         return far[-1] if far and self.error < KNOWN else first
@@ -223,7 +223,7 @@ class _Run:
             forces.ravel(), lifted.ravel(), self.mu, self.low, self.high, self.measure, True
         )
 
-    def _follow(self, point: Point, shift: FloatArray | None, most: int) -> bool:
+    def _follow(self, point: Iterate, shift: FloatArray | None, most: int) -> bool:
         """Follow the central path, the shift held or linearised (None); tell whether all is solved."""
         short, share, least_held, worse = 0, 1.0 if shift is None else 0.0, math.inf, 0
         for _ in range(min(most, self.most - self.done)):
@@ -275,13 +275,13 @@ class _Memory:
         self.none = np.zeros((n, 3))
         self.diagonal = np.diag_indices(r)
 
-    def scale(self, point: Point, share: float) -> float:
+    def scale(self, point: Iterate, share: float) -> float:
         """Fill the scalings of a point; return its gap, the mean of x · y."""
         return pairs.scale_pairs(*point, share, self.axes, self.scaled, self.weights)
 
     def advance(
-        self, rows: FloatArray, point: Point, residual: FloatArray, gap: float, share: float, least: float
-    ) -> tuple[float, Point | None]:
+        self, rows: FloatArray, point: Iterate, residual: FloatArray, gap: float, share: float, least: float
+    ) -> tuple[float, Iterate | None]:
         """Take a step by predictor and corrector; return its length and the point after it, if any."""
         pairs.weigh_rows(self.weights, rows, self.weighed)
         matrix = rows.T @ self.weighed
@@ -302,13 +302,13 @@ class _Memory:
         dx, dy = self._direction(solved, point, share)
         length = min(1.0, TO_BORDER * _longest(point, dx, dy))
         while length > 1e-10:
-            after = _moved(point, dx, dy, length)
+            after = _take_step(point, dx, dy, length)
             if after is not None and pairs.centrality(*after) >= OFF_CENTRE:
                 return length, after
             length *= 0.8
         return 0.0, None
 
-    def _direction(self, solved: _Solved, point: Point, share: float) -> tuple[FloatArray, FloatArray]:
+    def _direction(self, solved: _Solved, point: Iterate, share: float) -> tuple[FloatArray, FloatArray]:
         """Return the steps dx, dy with dx + P dy = aim and S dy = Y Yᵀ dx - residual."""
         pushed = self.aim + np.einsum("kij,kj->ki", self.weights, solved.residual)
         v = solved.solve(solved.rows.T @ pushed.ravel())
@@ -335,16 +335,16 @@ class _Solved(NamedTuple):
         return found
 
 
-def _longest(point: Point, dx: FloatArray, dy: FloatArray) -> float:
+def _longest(point: Iterate, dx: FloatArray, dy: FloatArray) -> float:
     """Return the longest step inside both cones."""
     return min(
         pairs.longest_step(point.x, point.border_x, dx), pairs.longest_step(point.y, point.border_y, dy)
     )
 
 
-def _moved(point: Point, dx: FloatArray, dy: FloatArray, length: float) -> Point | None:
+def _take_step(point: Iterate, dx: FloatArray, dy: FloatArray, length: float) -> Iterate | None:
     """Return the point after a step; None where it has left a cone."""
-    after = Point(*(np.empty_like(part) for part in point))
+    after = Iterate(*(np.empty_like(part) for part in point))
     inside = pairs.move_points(point.x, point.border_x, dx, length, after.x, after.border_x)
     inside &= pairs.move_points(point.y, point.border_y, dy, length, after.y, after.border_y)
     return after if inside else None
