@@ -170,7 +170,7 @@ def move_points(
     points: FloatArray, borders: FloatArray, steps: FloatArray, length: float, out: FloatArray,
     out_borders: FloatArray,
 ) -> bool:  # fmt: skip
-    """Fill out with points + length steps, and their distances to the border; tell whether all are inside."""
+    """Fill out (n, 3) with points + length steps and (n,) distances to the border; tell if all are inside."""
     inside = True
     for k in range(len(points)):
         a, b, d = length * steps[k, 0], length * steps[k, 1], length * steps[k, 2]
@@ -188,7 +188,7 @@ def move_points(
 
 @kernel
 def centrality(x: FloatArray, dx: FloatArray, y: FloatArray, dy: FloatArray) -> float:
-    """Return the least of sqrt(det x det y) over the mean of x · y: 1 on the central path."""
+    """Return the least sqrt(det x det y) of pairs (n, 3) over the mean of x · y: 1 on the central path."""
     least, total = np.inf, 0.0
     for k in range(len(x)):
         least = min(least, _determinant(x[k], dx[k]) * _determinant(y[k], dy[k]))

@@ -88,7 +88,7 @@ def solve_interior(
 def where_redundant(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
-    """Solve a problem whose contacts hold few bodies, from a warm start as `solve_interior`; else None."""
+    """Solve a problem whose contacts hold few bodies, a warm start (n, 3) as `solve_interior`; else None."""
     if problem.general or problem.facets is not None or (problem.normal_max < np.inf).any():
         return None
     known = None if problem.factor is None else problem.factor.shape[1]
