@@ -200,7 +200,7 @@ class _Run:
         return np.asarray(moved.reshape(-1, 3))
 
     def _shift(self) -> FloatArray:
-        """Return ||ȳ|| (n,) at the best forces; zero for the convex law."""
+        """Return ||ȳ|| (n,) at `last`, a program's best forces; zero for the convex law."""
         if not self.coulomb:
             return np.zeros(len(self.mu))
         u = self._velocities(self.last)
