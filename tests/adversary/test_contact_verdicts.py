@@ -88,6 +88,18 @@ def test_a_body_that_cannot_be_stopped_is_not_solved(law: str, tol: float) -> No
     assert found.status is sf.Status.INFEASIBLE
 
 
+def test_rounding_of_a_huge_friction_coefficient_is_counted() -> None:
+    """A sliding speed of rounding's size, times mu, is a velocity that the law sees: such are not SOLVED."""
+    rng = np.random.default_rng(5)
+    for _ in range(150):
+        n, mu = int(rng.integers(1, 7)), 10.0 ** rng.uniform(3.0, 12.0)
+        A = rng.normal(size=(3 * n, max(3, 2 * n)))
+        arguments = {"G": A @ A.T / n, "g": rng.normal(size=3 * n), "mu": mu}
+        found = sf.solve(sf.ContactProblem(**arguments))
+        if found.solved:
+            assert judge(read(arguments), found.forces).worst <= 1e-7, (n, mu)
+
+
 def test_residuals_agree_with_the_judge() -> None:
     """What a solution states of itself is what the definition says."""
     for name in ("redundant", "unequal_loads", "spread", "decoupled", "compliant", "locked"):  # all w_k > 0

@@ -143,3 +143,32 @@ def test_one_solver_per_thread() -> None:
         thread.join()
     for answers in found:
         assert all(np.array_equal(a, b) for a, b in zip(answers, expected, strict=True))
+
+
+def test_a_solver_that_is_at_work_is_refused_to_another_thread() -> None:
+    """Its memory has one user: threads that share a solver are answered rightly or refused, never wrongly."""
+    problems = [p.replace(mu=0.6) for p in four_contacts()]
+    expected = [sf.solve(p).velocities for p in problems]
+    solver = sf.ContactSolver(4, 0.6, warm_start=False)
+    wrong, refused = list[int](), list[str]()
+
+    def work() -> None:
+        for turn in range(1500):
+            k = turn % len(problems)
+            try:
+                found = solver.solve(problems[k].G, problems[k].g)
+            except sf.ProblemError as error:
+                refused.append(str(error))
+            else:
+                wrong.extend([k] * (not np.allclose(found.velocities, expected[k], atol=1e-6)))
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not wrong
+    assert all("at work in another thread" in words for words in refused)
+    solver._turn.clear()  # as while a call of another thread is in the compiled part
+    with pytest.raises(sf.ProblemError, match="at work in another thread"):
+        solver.solve(problems[0].G, problems[0].g)

@@ -143,6 +143,8 @@ def judge(
     sizes = xp.sqrt((forces * forces).sum(-1))
     norms = xp.sqrt((blocks_of(xp, G) ** 2).sum(-1)).sum(-1)  # at least the block's norm
     open_ = 4.0 * float(xp.finfo(G.dtype).eps) * (norms * sizes[..., None, :]).sum(-1)
+    if not convex:  # Γ = mu ||u_t|| grows what rounding does to a velocity
+        open_ = open_ * xp.clip(mu, 1.0)
     moving = s.speed > 0.0
     rest = xp.amax(xp.where(moving, open_ / xp.where(moving, s.speed, 1.0), 0.0), -1)
     if convex:

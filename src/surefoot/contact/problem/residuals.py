@@ -44,8 +44,9 @@ class Residuals:
         approaches, at least 0.7 times that speed over s_k: ε_k shows little of it where mu is large.
         Dimensionless. Where s_k = 0 those forces are the solution and others count as infinitely wrong.
     rounding
-        max_k 4 eps Σ_j ||G_kj|| ||λ_j|| / s_k, bounded from above: how much of the velocities
-        double precision cannot tell. Dimensionless. `Status.SOLVED` needs it within the tolerance, too.
+        max_k 4 eps max(1, mu_k) Σ_j ||G_kj|| ||λ_j|| / s_k, bounded from above: how much of u + Γ(u) double
+        precision cannot tell (without mu_k in the convex law, where Γ = 0). Dimensionless. `Status.SOLVED`
+        needs it within the tolerance, too.
     energy_gap
         For the convex law the largest λ_k·u_k - min over K of λ·u_k over Σ s_j² / w_j, the energy of its
         connected part: how far each contact is from its share of the least energy [-]; 0 for Coulomb's law. A
@@ -108,7 +109,7 @@ def certificate(problem: ContactProblem, forces: FloatArray) -> tuple[FloatArray
     with np.errstate(invalid="ignore", over="ignore"):  # said by the numbers
         velocities = np.ascontiguousarray(problem.velocity(forces)).reshape(-1)
     b = problem.blocks
-    rounding = _rounding_blocks(b.starts, b.columns, b.values, problem.scales, f)
+    rounding = _rounding_blocks(b.starts, b.columns, b.values, problem.scales, problem.mu, kind[2], f)
     return velocities.reshape(-1, 3), _measure(f, velocities, *laws, *kind, rounding)
 
 
@@ -218,7 +219,13 @@ def _measure(
 
 
 @inline_kernel
-def _rounding_bound(scales: FloatArray, forces: FloatArray) -> float:
+def _steepness(mu: float, coulomb: bool) -> float:
+    """Return what a rounding of u grows by in u + Γ(u), at least 1: Γ is mu ||u_t|| in Coulomb's law."""
+    return mu if coulomb and mu > 1.0 else 1.0
+
+
+@inline_kernel
+def _rounding_bound(scales: FloatArray, mu: FloatArray, coulomb: bool, forces: FloatArray) -> float:
     """Return a bound on Σ_j ||G_kj|| ||λ_j|| / s_k: ||G_kj|| is at most sqrt(trace G_kk trace G_jj)."""
     size = most = 0.0
     for k in range(scales.shape[1]):
@@ -228,16 +235,19 @@ def _rounding_bound(scales: FloatArray, forces: FloatArray) -> float:
         if 0.0 < product < 1e-250 and s > 0.0:
             return np.inf
         size += math.sqrt(product)
-        most = max(most, abs(scales[2, k]) / (s * s) if s > 0.0 else 0.0)
+        steep = _steepness(mu[k], coulomb)
+        most = max(most, abs(scales[2, k]) / (s * s) * steep * steep if s > 0.0 else 0.0)
     # Σ_j sqrt(tr G_kk tr G_jj) ||λ_j|| is a product of k's part and a sum: O(n) where the sharp sum is O(n²)
     return math.sqrt(most) * size
 
 
 @inline_kernel
-def _rounding_dense(G: FloatArray, scales: FloatArray, forces: FloatArray) -> float:
+def _rounding_dense(
+    G: FloatArray, scales: FloatArray, mu: FloatArray, coulomb: bool, forces: FloatArray
+) -> float:
     """Return the field `rounding`: by `_rounding_bound` if that is small, else by the blocks' norms."""
     n = scales.shape[1]
-    bound = _rounding_bound(scales, forces)
+    bound = _rounding_bound(scales, mu, coulomb, forces)
     if DOUBT * bound <= SURE:
         return DOUBT * bound
     worst = 0.0
@@ -251,14 +261,15 @@ def _rounding_dense(G: FloatArray, scales: FloatArray, forces: FloatArray) -> fl
             total += block * _size(forces[h], forces[h + 1], forces[h + 2])
         # rounding is measured against the motion of the contact's own part, as the error is
         if scales[1, k] > 0.0:
-            worst = max(worst, total / scales[1, k])
+            worst = max(worst, total * _steepness(mu[k], coulomb) / scales[1, k])
     return DOUBT * worst
 
 
 @kernel
 def _rounding_blocks(
-    starts: IntArray, columns: IntArray, values: FloatArray, scales: FloatArray, forces: FloatArray
-) -> float:
+    starts: IntArray, columns: IntArray, values: FloatArray, scales: FloatArray, mu: FloatArray,
+    coulomb: bool, forces: FloatArray,
+) -> float:  # fmt: skip
     """Return the field `rounding` for a block matrix."""
     worst = 0.0
     for k in range(starts.size - 1):
@@ -270,7 +281,7 @@ def _rounding_blocks(
                 block += _size(values[at, a, 0], values[at, a, 1], values[at, a, 2])
             total += block * _size(forces[h], forces[h + 1], forces[h + 2])
         if scales[1, k] > 0.0:
-            worst = max(worst, total / scales[1, k])
+            worst = max(worst, total * _steepness(mu[k], coulomb) / scales[1, k])
     return DOUBT * worst
 
 
@@ -287,5 +298,5 @@ def certify_dense(
         if x != 0.0 or y != 0.0 or z != 0.0:
             for j in range(free.size):
                 velocities[j] += G[i, j] * x + G[i + 1, j] * y + G[i + 2, j] * z
-    rounding = _rounding_dense(G, scales, forces)
+    rounding = _rounding_dense(G, scales, mu, coulomb, forces)
     return _measure(forces, velocities, mu, low, high, scales, facets, inner, coulomb, rounding)

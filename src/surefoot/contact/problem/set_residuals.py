@@ -40,7 +40,9 @@ def set_certificate(problem: ContactProblem, forces: FloatArray) -> tuple[FloatA
         error, gap, violation, approach, power, slip = np.max(np.array([(0.0,) * 6, *rows]), axis=0).tolist()
         sizes = np.array([math.hypot(*(f / c.lengths)) for c, f in zip(s, s.split(flat), strict=True)])
         moving = scales[1] > 0.0
-        terms = (block_sizes(s, problem.G) @ sizes)[moving] / scales[1][moving]
+        # Γ grows by the coefficient what rounding does to a velocity
+        steep = np.array([max(1.0, problem.law.shift_at(c.coefficient) * c.coefficient) for c in s])
+        terms = (steep * (block_sizes(s, problem.G) @ sizes))[moving] / scales[1][moving]
     rounding = DOUBT * float(terms.max(initial=0.0))
     numbers = error, rounding, gap, violation, approach, power, slip
     lost = any(math.isnan(number) for number in numbers)

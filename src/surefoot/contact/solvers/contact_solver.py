@@ -154,8 +154,8 @@ class ContactSolver:
 
     Preallocated; the arguments are those of `ContactProblem` and `solve`. Up to 45 contacts on exact cones a
     call is one compiled one, and what that leaves is handed to the other methods of `auto`. It never raises
-    for a hard problem: look at the status. Not to be shared between threads, but one per thread run at
-    the same time: the compiled call releases the interpreter's lock.
+    for a hard problem: look at the status. One per thread run at the same time: the compiled call releases the
+    interpreter's lock. A call while another thread is in one of the same solver is refused.
 
     Parameters
     ----------
@@ -213,6 +213,8 @@ class ContactSolver:
         self._memory = np.zeros((m + LAST + 1 + -(-WORK // 3), max(m, 2)))
         self._shapes = (m, m), (m,), (2 * n + 3, 3)
         self._most = UNBOUNDED if self.max_iterations is None else self.max_iterations
+        # the memory's one user; to pop it from a list is atomic, and takes less time than a lock
+        self._turn = [None]
         self._compiled = not self._laws.general and self._laws.facets is None and 0 < n <= COMPILED_CONTACTS
         if self._compiled:
             self._memory[m + LAWS] = self._laws.vectors[1]
@@ -247,8 +249,8 @@ class ContactSolver:
         Raises
         ------
         ProblemError
-            If a shape is wrong, or G not symmetric positive semidefinite, as far as `ContactProblem` sees;
-            never for a problem that is hard or has no solution.
+            If a shape is wrong, G not symmetric positive semidefinite, as far as `ContactProblem` sees, or the
+            solver at work in another thread; never for a problem that is hard or has no solution.
         """
         n = self.contacts
         square, row, whole = self._shapes
@@ -264,7 +266,14 @@ class ContactSolver:
             raise ProblemError(f"out must be a writable C-contiguous float64 array of shape {whole}")
         if not self._compiled:
             return self._solve_rest(G, g, out, 0)
-        done = self._call(G, g, self._memory, self.tol, self._most, self.warm_start, out)
+        try:
+            turn = self._turn.pop()
+        except IndexError:
+            raise ProblemError("this ContactSolver is at work in another thread: make one for each") from None
+        try:
+            done = self._call(G, g, self._memory, self.tol, self._most, self.warm_start, out)
+        finally:
+            self._turn.append(turn)
         if 0 <= done < UNSOLVED:
             return ContactForces(out, n, _SOLVED, done)
         if done == NOT_NUMBERS:
