@@ -154,8 +154,8 @@ class ContactSolver:
 
     Preallocated; the arguments are those of `ContactProblem` and `solve`. Up to 45 contacts on exact cones a
     call is one compiled one, and what that leaves is handed to the other methods of `auto`. It never raises
-    for a hard problem: look at the status. One per thread run at the same time: the compiled call releases the
-    interpreter's lock. A call while another thread is in one of the same solver is refused.
+    for a hard problem: look at the status. One for each thread run at the same time, the compiled call releases
+    the interpreter's lock; a call while another thread is in one of the same solver is refused.
 
     Parameters
     ----------
@@ -249,8 +249,8 @@ class ContactSolver:
         Raises
         ------
         ProblemError
-            If a shape is wrong, G not symmetric positive semidefinite, as far as `ContactProblem` sees, or the
-            solver at work in another thread; never for a problem that is hard or has no solution.
+            If a shape is wrong, G not symmetric positive semidefinite, as far as `ContactProblem` sees, or
+            another thread in a call; never for a problem that is hard or has no solution.
         """
         n = self.contacts
         square, row, whole = self._shapes
