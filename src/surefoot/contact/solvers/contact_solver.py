@@ -154,7 +154,7 @@ class ContactSolver:
 
     Preallocated; the arguments are those of `ContactProblem` and `solve`. Up to 45 contacts on exact cones a
     call is one compiled one, and what that leaves is handed to the other methods of `auto`. It never raises
-    for a hard problem: look at the status. One for each thread run at the same time, the compiled call releases
+    for a hard problem: look at the status. One for each thread run at once, the compiled call releases
     the interpreter's lock; a call while another thread is in one of the same solver is refused.
 
     Parameters
