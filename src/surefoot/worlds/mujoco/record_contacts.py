@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.mechanics import frames_on
+from surefoot.worlds.mujoco.record_model import body_name
 from surefoot.worlds.mujoco.record_softness import (
     SoftContact,
     declare_softness,
@@ -69,6 +71,8 @@ class Slots:
     ----------
     inner
         Contacts of the robot with itself so far.
+    inner_now
+        Force between links of the robot in the step that is read [N], and the two bodies of the hardest.
     """
 
     def __init__(self, mujoco: Any, model: Any, bodies: IntArray) -> None:
@@ -81,6 +85,8 @@ class Slots:
         self._now: dict[int, list[tuple[float, FloatArray]]] = {}  # weights and rows of this step's instants
         self._pyramids = model.opt.cone == mujoco.mjtCone.mjCONE_PYRAMIDAL
         self.inner = 0
+        self.inner_now: tuple[float, tuple[int, int]] = 0.0, (-1, -1)
+        self._hardest = 0.0
 
     @property
     def count(self) -> int:
@@ -101,6 +107,8 @@ class Slots:
                 continue  # flex, or a gap that gives no force
             if self._robot[first] and self._robot[second]:
                 self.inner += 1
+                self._mujoco.mj_contactForce(self._model, data, c, force)
+                self._add_inner(weight * float(np.linalg.norm(force[:3])), first, second)
             elif self._robot[first] or self._robot[second]:
                 self._mujoco.mj_contactForce(self._model, data, c, force)
                 pair = (second, first) if self._robot[second] else (first, second)
@@ -109,8 +117,17 @@ class Slots:
                 self._now.setdefault(k, []).append((weight, self._with_creep(data, contact, row, k)))
         return joints
 
+    def _add_inner(self, force: float, first: int, second: int) -> None:
+        """Add a force [N] between two geoms of the robot to `inner_now`."""
+        total, bodies = self.inner_now
+        if force >= self._hardest:
+            self._hardest = force
+            bodies = int(self._model.geom_bodyid[first]), int(self._model.geom_bodyid[second])
+        self.inner_now = total + force, bodies
+
     def close(self, step: int) -> None:
         """Write what the instants of a step were: mean forces, gaps at its first touch."""
+        self.inner_now, self._hardest = (0.0, (-1, -1)), 0.0
         for k, instants in self._now.items():
             weights, rows = (np.array(part) for part in zip(*instants, strict=True))
             mean, loads = rows[0].copy(), weights * np.linalg.norm(rows[:, :3], axis=1)
@@ -144,15 +161,19 @@ class Slots:
             more["pyramid_turn"] = _TURN
         return out | {name: np.nan_to_num(table[..., part]) for name, part in more.items()}
 
-    def facts(self) -> dict[str, Any]:
-        """Return what the model says of the contacts, point by point."""
-        names = [[self._name(geom) for geom in slot.pair] for slot in self._slots]
+    def facts(self, feet_at: Container[int]) -> dict[str, Any]:
+        """Return what the model says of the contacts, point by point; `feet_at` the bodies that are feet."""
+        names = [[self.name(geom) for geom in slot.pair] for slot in self._slots]
         feet = list(dict.fromkeys(own for own, _ in names))
         out: dict[str, Any] = {
             "feet": feet, "contact_foot": [feet.index(own) for own, _ in names],
             "contact_with": [other for _, other in names],
             "cone": "pyramidal" if self._pyramids else "elliptic",
         }  # fmt: skip
+        own_bodies, others = zip(*(slot.bodies for slot in self._slots), strict=True) if self._slots else ((), ())
+        out["contact_body"] = [body_name(self._model, b) for b in own_bodies]
+        out["contact_is_foot"] = np.array([float(b in feet_at) for b in own_bodies])
+        out["contact_other_moves"] = np.array([float(self._model.body_weldid[b] != 0) for b in others])
         if any(slot.rolling.any() for slot in self._slots):
             out["moment_friction"] = np.array([slot.rolling for slot in self._slots])
         if any(slot.margin for slot in self._slots):
@@ -272,7 +293,8 @@ class Slots:
         over = float(normal @ (place - row["contact_positions"][partner]) + row["gaps"][partner])
         return place, normal, over
 
-    def _name(self, geom: int) -> str:
+    def name(self, geom: int) -> str:
+        """Return the name of a geom, else its body's with its number."""
         model = self._model
         body = str(model.body(int(model.geom_bodyid[geom])).name)
         return str(model.geom(geom).name) or f"{body or 'body'}:{geom}"

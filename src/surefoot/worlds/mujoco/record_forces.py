@@ -92,6 +92,7 @@ class TreeForces:
         self._touch = int(mujoco.mjtConstraint.mjCNSTR_CONTACT_FRICTIONLESS)  # and all kinds after it
         self._damped = _damping(mujoco, model)
         self._rest = model.jnt_actgravcomp[model.dof_jntid] == 0
+        self._mass = float(model.body_mass[tree.bodies].sum())
         self._rows: list[dict[str, Any]] = []
         self.outside: dict[str, FloatArray] = {}
         self._sure = _sure_model(mujoco, model)
@@ -142,6 +143,7 @@ class TreeForces:
         row["momentum_rate"] += weight * _about(self._momentum_rate(data, rate), shift)
         whole = np.zeros(model.nv)
         whole[base] = data.qfrc_fluid[base] + thrust
+        push[:3] += self._gained_weight()
         row["wrench_applied"] += weight * _about(tree.wrench(data, whole) + push, shift)
         passive = data.qfrc_passive - compensated - data.qfrc_fluid
         for name, force in (
@@ -164,6 +166,11 @@ class TreeForces:
         if not out["solver_error"].any():
             del out["solver_error"]
         return out
+
+    def _gained_weight(self) -> FloatArray:
+        """Return the weight (3,) of what a loop has put on its robot's bodies, or taken off, since its start."""
+        mass = float(self._model.body_mass[self._tree.bodies].sum())
+        return np.asarray((mass - self._mass) * self._model.opt.gravity)
 
     def _momentum_rate(self, data: Any, rate: FloatArray) -> FloatArray:
         """Return the rate (6,) of momentum: M v̇ + h less the weight; rotors move nothing."""

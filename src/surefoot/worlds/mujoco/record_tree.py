@@ -23,8 +23,8 @@ class BodyTree:
     ----------
     name, title
         Of its root body; of the model, where it names itself and nothing else moves in it, else the same.
-    bodies
-        Numbers of its bodies.
+    bodies, place
+        Numbers of its bodies, and body to place among them.
     mass
         Of all of them [kg].
     joint_names, joints
@@ -59,6 +59,7 @@ class BodyTree:
             if int(model.body_parentid[b]) in below:
                 below.add(b)
         self.bodies = np.array(sorted(below))
+        self.place = {int(body): k for k, body in enumerate(self.bodies)}
         self.mass = float(model.body_subtreemass[root])
         self.others = [
             names[b]
@@ -140,6 +141,11 @@ class BodyTree:
     def torques(self, data: Any) -> FloatArray:
         """Return what actuators and the user put on the hinges and slides: (joints,) [N m, N]."""
         return np.asarray(data.qfrc_actuator[self.joint_dofs] + data.qfrc_applied[self.joint_dofs])
+
+    def pushed(self, data: Any) -> int:
+        """Return the place of the body on which `xfrc_applied` puts the most; -1 for none."""
+        size = np.abs(data.xfrc_applied[self.bodies]).sum(axis=1)
+        return int(size.argmax()) if size.any() else -1
 
     def pinocchio(self, qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return (T, nq), (T, nv) [m, -, rad]: quaternions x, y, z, w, free bodies' velocity in own axes."""

@@ -17,6 +17,7 @@ from surefoot.records import CHANNELS, Ending, Log, Recorder, find_doubts
 from surefoot.worlds.mujoco.mujoco_world import import_mujoco
 from surefoot.worlds.mujoco.record_contacts import Slots
 from surefoot.worlds.mujoco.record_forces import ForceStages, TreeForces
+from surefoot.worlds.mujoco.record_model import AskedTorques, ModelWatch, foot_bodies, model_facts
 from surefoot.worlds.mujoco.record_tree import BodyTree
 
 MOST_STEPS = 10**9
@@ -38,14 +39,26 @@ class Recording(Log):
         self._slots = Slots(self._mujoco, model, self._tree.bodies)
         self._stages = ForceStages(self._mujoco, model)
         self._forces = TreeForces(self._mujoco, model, self._tree)
+        self._asked = AskedTorques(self._mujoco, model, self._tree)
+        self._watch = ModelWatch(self._mujoco, model)
+        self._facts = self._model_facts()
         self._rows = Recorder(MOST_STEPS, _STATE, nq=model.nq, nv=model.nv, joints=self._tree.joints)
         self._original: Any = None
         self._before: tuple[Any, Any, float] | None = None
         self._left_out = 0
 
+    def _model_facts(self) -> dict[str, Any]:
+        """Return what the log keeps of the model, as it is before the first step."""
+        names = [self._slots.name(geom) for geom in range(self._model.ngeom)]
+        return model_facts(self._model, self._tree, names)
+
     def __enter__(self) -> Recording:
         self._original = self._mujoco.mj_step
         self._mujoco.mj_step = self._mj_step
+        start = self._mujoco.MjData(self._model)
+        start.qpos[:] = self._data.qpos
+        self._mujoco.mj_kinematics(self._model, start)
+        self._feet = foot_bodies(self._model, start, self._tree)
         self._remember()
         return self
 
@@ -96,12 +109,17 @@ class Recording(Log):
         row = rows.arrays
         row["time"][at], row["q"][at], row["v"][at] = time, qpos, qvel
         row["torques"][at] = tree.torques(data)
+        row["torques_commanded"][at] = self._asked.read(data)
+        row["pushed_body"][at] = tree.pushed(data)
+        self._watch.look(time)
         change = data.qvel - qvel
         for k, (weight, instant) in enumerate(self._stages.of(data)):
             if k == 0:
                 self._forces.begin(instant, qvel)
             rate = change / step if instant is data else instant.qacc
             self._forces.add(instant, weight, change, rate, self._slots.read(instant, weight))
+        row["inner_force"][at], bodies = self._slots.inner_now
+        row["inner_bodies"][at] = [tree.place.get(body, -1) for body in bodies]
         self._slots.close(rows.count)
         rows.count += 1
         self._remember()
@@ -115,6 +133,7 @@ class Recording(Log):
         self._slots.fill_open(q, v, points)
         arrays = {name: state[name] for name in ("time", "torques")} | points | self._forces.rows()
         arrays["q"], arrays["v"] = tree.pinocchio(q, v)
+        arrays |= self._of_the_model(state)
         if not tree.joints:
             del arrays["torques"]
         friction = arrays["contact_friction"]
@@ -130,8 +149,12 @@ class Recording(Log):
             "armature": self._model.dof_armature[tree.joint_dofs],
             "gravity": np.array(self._model.opt.gravity),
             "robot": self._tree.title,
-            **self._slots.facts(),
+            **self._facts,
+            **self._watch.facts(),
+            **self._slots.facts(self._feet),
         }
+        if self._asked.known:
+            facts["model_torque_limits"] = self._asked.limits
         if tree.free is not None and len(tree.free) < 6:
             facts["free_wrenches"] = tree.free
         if self._stages.four:
@@ -146,6 +169,17 @@ class Recording(Log):
         facts |= self._slots.softness(q, points, tree.mass * float(np.linalg.norm(self._model.opt.gravity)))
         Log.__init__(self, arrays, {k: f for k, f in facts.items() if np.size(f)})
         self.facts["doubts"] = [*self._own_doubts(), *find_doubts(self)]
+
+    def _of_the_model(self, state: Log) -> dict[str, Any]:
+        """Return what the model's actuators, pushes and inner contacts fill, where there are any."""
+        out: dict[str, Any] = {}
+        if self._asked.known and self._tree.joints:
+            out["torques_commanded"] = state["torques_commanded"]
+        if (np.asarray(state["pushed_body"]) >= 0.0).any():
+            out["pushed_body"] = state["pushed_body"]
+        if np.asarray(state["inner_force"]).any():
+            out |= {name: state[name] for name in ("inner_force", "inner_bodies")}
+        return out
 
     def _own_doubts(self) -> list[str]:
         """Return what a recording cannot tell about this model."""
@@ -164,7 +198,12 @@ class Recording(Log):
         return out
 
 
-_STATE = [CHANNELS[name] for name in ("time", "q", "v", "torques")]
+_STATE = [
+    CHANNELS[name]
+    for name in (
+        "time", "q", "v", "torques", "torques_commanded", "pushed_body", "inner_force", "inner_bodies",
+    )
+]  # fmt: skip
 
 
 def record(model: Any, data: Any, robot: str | None = None) -> Recording:

@@ -1,0 +1,188 @@
+"""What a recording keeps of the model it was made with: bodies, joints, geoms, actuators, and what changed.
+
+Plain arrays and names, from which an audit tells feet from other links, torques that were asked for from those
+that were given, and a world that changed under the robot from one that did not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from surefoot.base.arrays import FloatArray
+from surefoot.worlds.mujoco.record_tree import BodyTree
+
+LOWEST = 0.5
+"""An end of a limb is a foot if it is at least this share as far below the robot's root as the lowest."""
+
+
+class Change(NamedTuple):
+    """A number of the model that its loop changed: when [s], of what, whose, and its factor on the old one."""
+
+    time: float
+    kind: str
+    name: str
+    factor: float
+
+
+class ModelWatch:
+    """Sees which numbers of a model its loop changes from step to step.
+
+    Attributes
+    ----------
+    changes
+        So far, by time.
+    """
+
+    def __init__(self, mujoco: Any, model: Any) -> None:
+        self._mujoco, self._model = mujoco, model
+        kinds = mujoco.mjtObj
+        self._kinds = {
+            "mass": (kinds.mjOBJ_BODY, lambda: model.body_mass),
+            "gain": (kinds.mjOBJ_ACTUATOR, lambda: model.actuator_gainprm[:, 0]),
+            "torque limit": (kinds.mjOBJ_ACTUATOR, lambda: model.actuator_forcerange[:, 1]),
+            "friction": (kinds.mjOBJ_GEOM, lambda: model.geom_friction[:, 0]),
+        }
+        self._last = {name: np.array(read()) for name, (_, read) in self._kinds.items()}
+        self.changes: list[Change] = []
+
+    def look(self, time: float) -> None:
+        """Take note of what changed before the step that began at a time [s]."""
+        for kind, (owner, read) in self._kinds.items():
+            now, last = read(), self._last[kind]
+            if np.array_equal(now, last):
+                continue
+            for k in np.flatnonzero(now != last).tolist():
+                name = self._mujoco.mj_id2name(self._model, owner, k) or f"{kind} {k}"
+                factor = float(now[k] / last[k]) if last[k] else np.inf
+                self.changes.append(Change(time, kind, name, factor))
+            self._last[kind] = np.array(now)
+
+    def facts(self) -> dict[str, Any]:
+        """Return the changes as facts of a log."""
+        if not self.changes:
+            return {}
+        time, kind, name, factor = zip(*self.changes, strict=True)
+        return {
+            "change_time": np.array(time), "change_kind": list(kind), "change_name": list(name),
+            "change_factor": np.array(factor),
+        }  # fmt: skip
+
+
+class AskedTorques:
+    """What actuators of a model are asked for on its hinges and slides, before their limits cut it.
+
+    By the model as it was at the start: an actuator whose gain is cut later gives less than is asked. Actuators
+    with a memory, on tendons or by functions of the user's own are not known.
+
+    Attributes
+    ----------
+    known
+        Whether all that drives the robot's joints is.
+    limits
+        (joints,) largest torque that actuators can give there [N m, N], infinite where nothing limits them.
+    """
+
+    def __init__(self, mujoco: Any, model: Any, tree: BodyTree) -> None:
+        self._model, place = model, {dof: k for k, dof in enumerate(tree.joint_dofs)}
+        joint = int(mujoco.mjtTrn.mjTRN_JOINT)
+        fixed, none = int(mujoco.mjtGain.mjGAIN_FIXED), int(mujoco.mjtDyn.mjDYN_NONE)
+        affine, plain = int(mujoco.mjtBias.mjBIAS_AFFINE), int(mujoco.mjtBias.mjBIAS_NONE)
+        self._rows: list[tuple[int, int, float, FloatArray]] = []
+        self.known = model.nu > 0
+        self.limits = np.full(tree.joints, np.inf)
+        limits = np.zeros(tree.joints)
+        for k in range(model.nu):
+            dof = int(model.jnt_dofadr[model.actuator_trnid[k, 0]])
+            if int(model.actuator_trntype[k]) != joint or dof not in place:
+                self.known &= int(model.actuator_trntype[k]) == joint
+                continue
+            gear, at = float(model.actuator_gear[k, 0]), place[dof]
+            bias = int(model.actuator_biastype[k])
+            simple = int(model.actuator_gaintype[k]) == fixed and int(model.actuator_dyntype[k]) == none
+            self.known &= simple and bias in (affine, plain)
+            terms = np.zeros(4)
+            terms[0] = model.actuator_gainprm[k, 0]
+            if bias == affine:
+                terms[1:] = model.actuator_biasprm[k, :3]
+            self._rows.append((k, at, gear, terms))
+            limits[at] += abs(gear) * self._largest(k, terms)
+        driven = [at for _, at, _, _ in self._rows]
+        self.limits[driven] = limits[driven]
+        own = np.array([int(model.dof_jntid[dof]) for dof in tree.joint_dofs], dtype=np.int64)
+        bound = np.asarray(model.jnt_actfrclimited, dtype=bool)[own]
+        self.limits[bound] = np.minimum(self.limits, model.jnt_actfrcrange[own, 1])[bound]
+
+    def _largest(self, k: int, terms: FloatArray) -> float:
+        """Return the largest force of an actuator [N m, N]."""
+        model, most = self._model, np.inf
+        if model.actuator_forcelimited[k]:
+            most = float(np.abs(model.actuator_forcerange[k]).max())
+        if model.actuator_ctrllimited[k] and not terms[1:].any():
+            most = min(most, float(np.abs(terms[0] * model.actuator_ctrlrange[k]).max()))
+        return most
+
+    def read(self, data: Any) -> FloatArray:
+        """Return what is asked for at an instant: (joints,) [N m, N]."""
+        out = np.zeros(len(self.limits))
+        for k, at, gear, terms in self._rows:
+            length, rate = data.actuator_length[k], data.actuator_velocity[k]
+            out[at] += gear * (terms[0] * data.ctrl[k] + terms[1] + terms[2] * length + terms[3] * rate)
+        return out
+
+
+def body_name(model: Any, body: int) -> str:
+    """Return the name of a body, its number where it has none."""
+    return str(model.body(body).name) or f"body {body}"
+
+
+def foot_bodies(model: Any, data: Any, tree: BodyTree) -> set[int]:
+    """Return the bodies that are feet: ends of limbs, near the lowest of them in the pose of the data.
+
+    Bodies that are welded to each other are one; of a robot of one body that one is all its feet.
+    """
+    own, weld = set(tree.bodies.tolist()), np.asarray(model.body_weldid)
+    inner = {int(weld[model.body_parentid[b]]) for b in own if weld[b] == b and b != tree.root}
+    ends = {int(weld[b]) for b in own} - inner
+    down = -np.asarray(model.opt.gravity)
+    down = down / max(float(np.linalg.norm(down)), 1e-12)
+    depth = {b: float(down @ (data.xpos[tree.root] - data.xipos[b])) for b in ends}
+    lowest = max(depth.values(), default=0.0)
+    feet = {b for b in ends if lowest <= 0.0 or depth[b] >= LOWEST * lowest}
+    return {b for b in own if int(weld[b]) in feet}
+
+
+def model_facts(model: Any, tree: BodyTree, geom_names: Sequence[str]) -> dict[str, Any]:
+    """Return the robot's bodies, joints and geoms as plain facts of a log.
+
+    Bodies in the order of `tree.bodies`, parents as places in it (-1 for the world), joints in the log's order.
+    """
+    bodies = tree.bodies.tolist()
+    place = {body: k for k, body in enumerate(bodies)}
+    own = [int(model.dof_jntid[dof]) for dof in tree.joint_dofs]
+    geoms = np.flatnonzero(np.isin(model.geom_bodyid, tree.bodies))
+    free = ~np.asarray(model.jnt_limited, dtype=bool)[own]
+    ranges = np.where(free[:, None], [-np.inf, np.inf], np.asarray(model.jnt_range)[own])
+    return {
+        "model_bodies": [body_name(model, b) for b in bodies],
+        "model_parents": np.array([place.get(int(model.body_parentid[b]), -1) for b in bodies]),
+        "model_masses": np.array(model.body_mass[bodies]),
+        "model_inertias": np.array(model.body_inertia[bodies]),
+        "model_centres": np.array(model.body_ipos[bodies]),
+        "model_inertia_axes": np.array(model.body_iquat[bodies]),
+        "model_positions": np.array(model.body_pos[bodies]),
+        "model_orientations": np.array(model.body_quat[bodies]),
+        "model_joint_bodies": np.array([place[int(model.jnt_bodyid[j])] for j in own]),
+        "model_joint_axes": np.array(model.jnt_axis[own]).reshape(-1, 3),
+        "model_joint_places": np.array(model.jnt_pos[own]).reshape(-1, 3),
+        "model_joint_ranges": ranges.reshape(-1, 2),
+        "model_geoms": [geom_names[g] for g in geoms],
+        "model_geom_bodies": np.array([place[int(model.geom_bodyid[g])] for g in geoms]),
+        "model_geom_types": np.array(model.geom_type[geoms]),
+        "model_geom_sizes": np.array(model.geom_size[geoms]),
+        "model_geom_positions": np.array(model.geom_pos[geoms]),
+        "model_geom_orientations": np.array(model.geom_quat[geoms]),
+        "model_actuators": [str(model.actuator(k).name) or f"actuator {k}" for k in range(model.nu)],
+    }
