@@ -98,7 +98,7 @@ def _thrown(name: str, dt: float, integrator: str, seed: int, kicked: bool) -> L
     """Return an object that slides, or is thrown and spins."""
     rng = np.random.default_rng([seed, len(name)])
     mu = float(rng.uniform(0.2, 0.8))
-    height = 0.1 if name == "crate" else float(rng.uniform(0.3, 0.6))
+    height = 0.1 if name == "crate" else float(rng.uniform(0.25, 0.3 if integrator == "RK4" else 0.6))
     body = f"<body pos='0 0 {height}'><freejoint/>{OBJECTS[name].format(mu=mu)}</body>"
     start = np.zeros(6)
     start[:2] = rng.uniform(1.5, 2.5) * np.array([0.8, 0.6])

@@ -97,9 +97,9 @@ def pressing(rows: Rows) -> Measured:
     turn = spin(rows) * rows.dt
     # within a row the body turns by w h, and its contact points with it
     wander = (size * arm).sum(axis=1) * turn
-    if rows.setting.after is None:  # means of forces at means of places: the body goes on meanwhile
+    if rows.setting.after is None:  # means about the place at the start: weight and contacts go on meanwhile
         went = np.linalg.norm(np.diff(rows.numbers("com"), axis=0, append=rows.numbers("com")[-1:]), axis=1)
-        wander = wander + size.sum(axis=1) * went
+        wander = wander + (size.sum(axis=1) + rows.setting.weight) * went
     allowed = rows.setting.limits.consistency.press * (size.sum(axis=1) + rows.setting.weight) + wander
     return over(on_body(rows, np.nan_to_num(value)), on_limit(rows, sliding_mean(allowed, w)))
 
