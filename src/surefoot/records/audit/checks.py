@@ -14,10 +14,13 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.records.audit.balance import balance
 from surefoot.records.audit.cones import friction_needed, grip
+from surefoot.records.audit.consistency import acceleration, centre_of_mass, momentum, pressing, uneven
 from surefoot.records.audit.continuity import contact_velocity, gap_rate, no_plane, state
 from surefoot.records.audit.log_context import Setting
+from surefoot.records.audit.places import gap_place, jump, no_feet, no_ground
 from surefoot.records.audit.restitution import rebound, sparse
 from surefoot.records.audit.rows import Measured, Rows, on_body, over, sliding_mean, sliding_sum
+from surefoot.records.audit.within_row import way_to_touch
 from surefoot.records.log import Log
 
 
@@ -73,10 +76,11 @@ def _friction(rows: Rows) -> Measured:
 
 
 def _distance(rows: Rows) -> Measured:
-    """Force across a gap, along the normal or across it."""
+    """Force across a gap, along the normal or across it; a gap may close within its row."""
     pushed = np.maximum(np.abs(rows.normal), rows.tangential) > rows.setting.threshold
     value = np.where(pushed, rows.gaps, 0.0)
-    return over(value, max(rows.setting.limits.laws.penetration, rows.setting.sinking))
+    limit = max(rows.setting.limits.laws.penetration, rows.setting.sinking)
+    return over(value, limit + way_to_touch(rows))
 
 
 def _without_settling(rows: Rows, value: FloatArray) -> FloatArray:
@@ -250,6 +254,29 @@ CHECKS = (
     Check(
         "contact velocity", "contacts move with the joints", "m/s", True, ("contact_velocities", "q", "v"),
         contact_velocity, lambda _, setting: setting.why_no_motion,
+    ),
+    Check(
+        "momentum", "momentum changes by its rate", "m/s", True, ("momentum", "momentum_rate"), momentum
+    ),
+    Check(
+        "centre of mass", "the centre of mass moves by the momentum", "m", True, ("com", "momentum"),
+        centre_of_mass,
+    ),
+    Check(
+        "acceleration", "forces move the centre of mass", "N", True, ("com", "forces", "normals"),
+        acceleration, uneven,
+    ),
+    Check(
+        "pressing", "forces press at their contact points", "N m", True,
+        ("forces", "momentum_rate", "com", "contact_positions", "normals"), pressing,
+    ),
+    Check(
+        "gap place", "gaps are those of the contact points", "m", True,
+        ("gaps", "contact_positions", "normals"), gap_place, no_ground,
+    ),
+    Check(
+        "contact jump", "contact points go on as their material does", "m", True,
+        ("contact_positions", "contact_velocities"), jump, no_feet,
     ),
     Check(
         "bias", "a pyramid brakes less than the round cone", "m", False,

@@ -13,6 +13,7 @@ from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import rotation_from_quaternion
 from surefoot.records.audit.limits import LIMITS
 from surefoot.records.audit.log_context import Setting
+from surefoot.records.audit.places import anew
 from surefoot.records.audit.rows import Measured, Rows, over, sliding_mean, sliding_sum
 from surefoot.records.log import Log
 
@@ -43,7 +44,8 @@ def gap_rate(rows: Rows) -> Measured:
     """Return the way by which gaps are not those that their contacts' velocities lead to: (T, p) [m]."""
     limits = rows.setting.limits.continuity
     up, w = rows.velocities[..., 2], rows.window(limits.gap_time)
-    value = np.abs(sliding_sum(gap_slips(rows.gaps, up, rows.dt, rows.setting.after), w))
+    slips = gap_slips(rows.gaps, up, rows.dt, rows.setting.after)
+    value = np.abs(sliding_sum(np.where(anew(rows), 0.0, slips), w))
     step = np.abs(up) * rows.dt[:, None]
     return over(value, limits.gap + _highest(step, w) + limits.drift * sliding_sum(step, w))
 

@@ -18,6 +18,7 @@ from surefoot.records.audit.check_limits import (
     FrictionLimits,
     ReboundLimits,
 )
+from surefoot.records.audit.consistency_limits import ConsistencyLimits
 from surefoot.records.audit.limit_sources import RIVALS, VARIED
 from surefoot.records.audit.rank_limits import RankLimits
 from surefoot.records.audit.run_limits import (
@@ -284,6 +285,7 @@ class AuditLimits(Settings):
     checks: CheckLimits = field(default_factory=CheckLimits)
     balance: BalanceLimits = field(default_factory=BalanceLimits)
     continuity: ContinuityLimits = field(default_factory=ContinuityLimits)
+    consistency: ConsistencyLimits = field(default_factory=ConsistencyLimits)
     rebound: ReboundLimits = field(default_factory=ReboundLimits)
     friction: FrictionLimits = field(default_factory=FrictionLimits)
     command: CommandLimits = field(default_factory=CommandLimits)

@@ -13,6 +13,7 @@ from surefoot.base.settings import describe
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot, load_robot
 from surefoot.records.audit.dynamics import MOTOR_FACTS
+from surefoot.records.audit.ground import ground_plane
 from surefoot.records.audit.laws import stated
 from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.log import Log
@@ -63,6 +64,9 @@ class Setting:
         means while it acts.
     plane
         Whether the ground is known to be one plane, on which a gap changes as its contact moves.
+    ground
+        (4,) that plane's normal, world axes, and its height along it [m], where the contacts show it; else
+        None.
     notes
         What was assumed, a line each.
     doubts
@@ -86,6 +90,7 @@ class Setting:
     why_no_motion: str
     after: bool | None = False
     plane: bool = False
+    ground: FloatArray | None = None
     notes: tuple[str, ...] = field(default=())
     doubts: tuple[str, ...] = field(default=())
     limits: AuditLimits = LIMITS
@@ -185,12 +190,14 @@ def setting_of(log: Log, robot: Robot | None, limits: AuditLimits = LIMITS) -> S
             f"{1e3 * creep:.2g} mm/s {held} count as lawful{deep}{swing}"
         )
     model, why = _robot(log, robot, doubts, limits.records.same_mass)
+    plane = str(log.facts.get("terrain", "")).split(":")[0] in PLANES
+    near = limits.consistency.place + sinking
+    ground = ground_plane(log, 0.0 if plane else limits.consistency.shown, near)
     weight = _weight(log, model, payload, notes, doubts)
     return Setting(
         names, owner, feet, weight, dt, sinking, creep, stopping, settling, payload, place, model, why,
         _velocities_after(log, dt),
-        str(log.facts.get("terrain", "")).split(":")[0] in PLANES,
-        tuple(notes), tuple(doubts), limits,
+        plane or ground is not None, ground, tuple(notes), tuple(doubts), limits,
     )  # fmt: skip
 
 

@@ -30,6 +30,8 @@ MOST_STEPS = 20_000
 """Of a landing."""
 SWING = 5.0
 """Time constants of a critically damped contact after which a touchdown has died away: to one per cent."""
+PARTS = 20
+"""Parts of a step in which a landing is followed that Runge and Kutta integrate: close to its true motion."""
 ROUNDED = 1.0 + 1e-9
 """A contact on its own lands as deep as its law says, to the last bits."""
 
@@ -71,7 +73,7 @@ class SoftContact:
     mu
         Friction; zero where the contact has none.
     step
-        The model's [s].
+        In which a landing is followed: the model's, a part of it for Runge and Kutta [s].
     """
 
     law: MujocoLaw
@@ -177,7 +179,8 @@ def soft_contact(mujoco: Any, model: Any, bodies: Iterable[int], contact: Any) -
         friction = (1.0 + mu**2) / ratio
     if not guess > 0.0:
         return None
-    return SoftContact(law, guess, normal, friction, damp, mu, float(option.timestep))
+    fine = PARTS if option.integrator == mujoco.mjtIntegrator.mjINT_RK4 else 1
+    return SoftContact(law, guess, normal, friction, damp, mu, float(option.timestep) / fine)
 
 
 def declare_softness(
@@ -230,10 +233,10 @@ def hardest_landing(
     # Rows in which a contact closes: it was open in the row before, or the log begins with it.
     first = gaps <= 0.0
     first[1:] &= gaps[:-1] > 0.0
-    speed, across = (
-        np.nan_to_num(np.where(first, part, 0.0))
-        for part in (-velocities[..., 2], np.hypot(velocities[..., 0], velocities[..., 1]))
-    )
+    down, aside = -velocities[..., 2], np.hypot(velocities[..., 0], velocities[..., 1])
+    if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:  # a row's are means while it is stopped
+        down[1:], aside[1:] = (np.fmax(part[1:], part[:-1]) for part in (down, aside))
+    speed, across = (np.nan_to_num(np.where(first, part, 0.0)) for part in (down, aside))
     data, masses, fastest = mujoco.MjData(model), list[float](), float(speed.max())
     for k, row in enumerate(speed.argmax(axis=0).tolist()):
         place, normal = points["contact_positions"][row, k], points["normals"][row, k]

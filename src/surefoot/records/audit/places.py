@@ -1,0 +1,72 @@
+"""Whether contact points are where their gaps, their velocities and their feet say.
+
+On a plane whose normal is n, n . p - gap is the plane's height, of every contact and at any time: a gap that
+is of another sign, point or scale shows, and so does a point that jumps along the normal. A point goes on as
+its material does, and as it wanders over a round foot: its velocity changes by what the material's changes by
+and what a rolling foot makes of that.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.records.audit.ground import LEVEL
+from surefoot.records.audit.log_context import Setting
+from surefoot.records.audit.rows import Measured, Rows, over
+from surefoot.records.audit.within_row import fall
+from surefoot.records.log import Log
+
+ROLLS = 3.5
+"""Change of a rolling solid ball's speed per change of its slip is 2/7 of it; its point's, at most this."""
+
+
+def gap_place(rows: Rows) -> Measured:
+    """Return how far contact points are from where their gaps put them: (T, p) [m]."""
+    height, softness = rows.setting.ground, rows.setting.sinking
+    value = np.zeros(rows.normal.shape)
+    if height is not None:
+        along = rows.numbers("contact_positions") @ height[:3] - height[3]
+        # a point in the middle of what overlaps is half of its depth above where one on the foot is
+        middle = np.where(rows.gaps < 0.0, 0.5, 1.0) * rows.gaps
+        value = np.minimum(np.abs(along - rows.gaps), np.abs(along - middle))
+        value = np.where((np.abs(rows.numbers("normals") - height[:3]) < LEVEL).all(axis=2), value, 0.0)
+    return over(value, rows.setting.limits.consistency.place + softness)
+
+
+def jump(rows: Rows) -> Measured:
+    """Return how far contact points jump from row to row, beyond what their velocities do: (T, p) [m]."""
+    place, dt = rows.numbers("contact_positions"), rows.dt[:, None]
+    bend = np.zeros(rows.normal.shape)
+    bend[1:-1] = np.linalg.norm(place[2:] - 2.0 * place[1:-1] + place[:-2], axis=2)
+    change = np.linalg.norm(np.diff(rows.velocities, axis=0, append=rows.velocities[-1:]), axis=2)
+    around = np.maximum(change, np.maximum(np.roll(change, 1, axis=0), np.roll(change, -1, axis=0)))
+    allowed = ROLLS * around * dt + fall(rows) * dt**2
+    return over(bend, rows.setting.limits.consistency.jump + allowed)
+
+
+def anew(rows: Rows) -> BoolArray:
+    """Return the steps to the next row over which a recorded contact point becomes another: (T, p)."""
+    out = np.zeros(rows.normal.shape, dtype=bool)
+    if rows.log.facts.get("kind") != "recording" or "contact_positions" not in rows.log:
+        return out
+    place = rows.numbers("contact_positions")
+    step = np.linalg.norm(np.diff(place, axis=0), axis=2)
+    longest = np.maximum(np.vstack([step[:1], step[:-1]]), np.vstack([step[1:], step[-1:]]))
+    out[:-1] = step > rows.setting.limits.consistency.anew + longest
+    wide = np.linalg.norm(np.diff(place, n=2, axis=0), axis=2) > rows.setting.limits.consistency.anew
+    out[:-2] |= wide
+    out[1:-1] |= wide
+    return out
+
+
+def no_ground(log: Log, setting: Setting) -> str:
+    """Return why gaps cannot be held against contact points; empty where the ground is one plane."""
+    return "" if setting.ground is not None else "the ground is not known to be one plane"
+
+
+def no_feet(log: Log, setting: Setting) -> str:
+    """Return why a jump of contact points cannot be judged; empty where contacts are feet that stay so."""
+    if log.facts.get("kind") == "recording":
+        return "what touches is another point of its geom whenever MuJoCo finds one: its shape is not known"
+    return ""
