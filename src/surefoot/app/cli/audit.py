@@ -60,6 +60,7 @@ def audit(
     input; 3 if one cannot tell.
     """
     from surefoot.app.cli.run_files import report_sections, write_page
+    from surefoot.app.viz.report import paragraph
     from surefoot.records import audit_log
 
     check_out(out)
@@ -81,13 +82,15 @@ def audit(
     console, lines = plain_console(quiet=as_json), _lines(read, report)
     if as_json:
         print(to_json(facts))
+    say(console, str(report.story))
     print_tables(console, tables, lines)
     for line, good in verdicts:
         say_verdict(console, line, good)
     if out is not None:
         folder = new_run_folder(out, f"audit-{log.stem}")
         (folder / "audit.json").write_text(to_json(facts) + "\n", encoding="utf-8")
-        sections = [_picture(read, report, folder), *report_sections(tables, lines)]
+        why = "Why", paragraph(str(report.story))
+        sections = [why, _picture(read, report, folder), *report_sections(tables, lines)]
         page = write_page(folder / "report.html", f"Audit of {log.name}", verdicts, sections)
         say(console, f"report: {page}")
     return report.exit_code or (0 if again is None or again.survives else 1)

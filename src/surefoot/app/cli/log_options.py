@@ -10,6 +10,7 @@ import typer
 
 from surefoot.app.cli import options, parsing
 from surefoot.base.arrays import real_number
+from surefoot.base.errors import ModelError
 
 if TYPE_CHECKING:
     from surefoot.mechanics import Robot, Terrain
@@ -60,8 +61,16 @@ class LogOptions:
         if self.mass is not None:
             real_number("--mass", self.mass, low=1e-6, high=1e9)
         log = read_log(path, self.mapping, self.names())
-        feet = [*map(str, log.facts.get("feet", ()))] if is_file(self.robot) else []
-        return log, None if self.robot is None else load_robot(self.robot, feet or None)
+        if self.robot is None:
+            return log, None
+        feet = _feet_of(log) if is_file(self.robot) else []
+        try:
+            return log, load_robot(self.robot, feet or None)
+        except ModelError:
+            if not feet or "contact_is_foot" not in log.facts:
+                raise
+            # a recording names shapes, and the file may have no frames of such names
+            return log, load_robot(self.robot)
 
     def complete_log(self, log: Log, robot: Robot | None, *, replayed: bool) -> Log:
         """Return a log with what follows from it and the options; a replay's contradict nothing."""
@@ -74,3 +83,13 @@ class LogOptions:
         if "mapping" not in log.facts and ground is None and mu is None and self.mass is None:
             return log
         return complete(log, robot, ground, mu, self.mass)
+
+
+def _feet_of(log: Log) -> list[str]:
+    """Return the feet that a log names, of a recording those that are by its model: links touch in falls."""
+    names, owner = [*map(str, log.facts.get("feet", ()))], log.facts.get("contact_foot", ())
+    is_foot = log.facts.get("contact_is_foot")
+    if is_foot is None:
+        return names
+    feet = {k for k, foot in zip(owner, is_foot, strict=True) if foot}
+    return [name for k, name in enumerate(names) if k in feet]

@@ -44,6 +44,8 @@ class Walker(Tick):
         As they were given.
     notes
         What was changed in the command, one line each.
+    granted
+        Least share of a velocity asked for that is left of it.
     """
 
     robot: Robot
@@ -51,6 +53,7 @@ class Walker(Tick):
     schedule: ContactSchedule
     terrain: Terrain
     notes: list[str]
+    granted: float
     _feet_model: FeetModel
     height: float
 
@@ -173,7 +176,7 @@ class Walker(Tick):
         x, y = heading_of(self.robot.nominal[3:7])
         return ({} if x == 1.0 else {"ahead": -math.atan2(y, x)}) | {
             "kind": "walk", "normal_min": low, "normal_max": high, "mu_controller": self.settings.mu,
-            "gait": self.schedule.name, "notes": self.notes,
+            "gait": self.schedule.name, "notes": self.notes, "granted_share": self.granted,
             "behaviours": [behaviour.name for behaviour in self.arbiter.behaviours],
         }  # fmt: skip
 

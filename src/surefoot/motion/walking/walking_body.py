@@ -301,6 +301,16 @@ def slowed_note(velocity: FloatArray, time: float, share: float) -> str:
     )
 
 
+def granted_share(asked: VelocityCommand, granted: VelocityCommand) -> float:
+    """Return the least share of a velocity asked for that was granted, 1 for none that was cut [-]."""
+    shares = [
+        float(np.linalg.norm(granted.at(time)) / np.linalg.norm(wanted))
+        for time, wanted in zip(asked.times.tolist(), asked.values, strict=True)
+        if wanted.any()
+    ]
+    return min([1.0, *shares])
+
+
 def limit_command(
     command: VelocityCommand, reach: float, stance_time: float, height: float, radius: float
 ) -> tuple[VelocityCommand, list[str]]:

@@ -40,7 +40,7 @@ from surefoot.motion.walking.stair_phase import StepPhase
 from surefoot.motion.walking.touchdown_detection import TouchMemory, TouchSense
 from surefoot.motion.walking.walk_state import BipedState, GaitState, PlanTimes, StepInput, WalkState
 from surefoot.motion.walking.walker import Walker
-from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand, first_stance
+from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand, first_stance, granted_share
 from surefoot.motion.walking.walking_feet import Feet, FeetModel, SwingRequest
 from surefoot.motion.walking.walking_kernels import follow
 from surefoot.motion.walking.walking_settings import WalkCommand as WalkCommand
@@ -106,6 +106,7 @@ class WalkingController(Walker):
         )
         chosen = choose_gait(body, command, gait)
         self.schedule, self.command, self.notes = chosen.schedule, chosen.command, chosen.notes
+        self.granted = granted_share(command, self.command)
         self._limits = chosen.limits
         period = chosen.shortest or self.settings.horizon_period * math.sqrt(self.height / 0.3)
         self._stance_time = self.schedule.stance_time or self.settings.horizon_stance * period

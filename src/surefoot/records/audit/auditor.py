@@ -18,10 +18,11 @@ from surefoot.records.audit.diagnosis import diagnose
 from surefoot.records.audit.friction import FrictionCount
 from surefoot.records.audit.intervals import Interval, Track
 from surefoot.records.audit.limits import LIMITS, AuditLimits
-from surefoot.records.audit.log_context import Setting, arrange_contacts, setting_of
+from surefoot.records.audit.log_context import Setting, setting_of
 from surefoot.records.audit.report import AuditReport, FrictionInterval, Judgement, LawBroken, Violation
 from surefoot.records.audit.rows import Rows, lacking, pieces
 from surefoot.records.audit.slides import WORST, slide_on, slide_rules, start_slides
+from surefoot.records.audit.story.story import tell_story
 from surefoot.records.log import Log
 from surefoot.records.log.reading import read_log
 
@@ -65,7 +66,6 @@ def audit_log(log: Log | Path | str, robot: Robot | None = None, limits: AuditLi
         )
     if not isinstance(log, Log):
         log = read_log(log)
-    log = arrange_contacts(log, robot)
     setting = setting_of(log, robot, limits)
     coverage = _coverage(log, setting)
     used = [check for check in CHECKS if not coverage.get(check.name, "")]
@@ -198,11 +198,12 @@ def _report(
         verdict = "cannot tell"
     symptoms = tuple(diagnose(log, setting, physical)) if physical else ()
     intervals = friction.intervals()
+    task, task_reason = judge_task(log, setting.limits)
     return AuditReport(
         verdict, violations, more, symptoms, coverage, intervals,
         (*setting.doubts, *setting.notes, *_changes(intervals)), len(log), float(time[0]), float(time[-1]),
-        setting.names, setting.weight, reason, *judge_task(log, setting.limits),
-        tuple(judge_command(log, setting)), setting.limits,
+        setting.names, setting.weight, reason, task, task_reason, tuple(judge_command(log, setting)),
+        setting.limits, tell_story(log, setting, symptoms, task_reason),
     )  # fmt: skip
 
 

@@ -92,7 +92,7 @@ def _commanded_cone(rows: Rows) -> tuple[FloatArray, float]:
 
 
 def _known(log: Log, name: str) -> bool:
-    """Return whether a channel says anything: a learned policy commands torques, its forces are NaN."""
+    """Return whether a channel says anything: a controller of torques alone has NaN for its forces."""
     return name in log and bool(np.isfinite(np.asarray(log[name][: 1 << 16], dtype=np.float64)).any())
 
 
@@ -217,6 +217,8 @@ def judge_task(log: Log, limits: AuditLimits = LIMITS) -> tuple[Task, str]:
     if ended != Ending.DONE:
         return "unknown", ""
     walked = "command" in log and "q" in log and float(log["time"][-1]) > limits.walk.settled
+    if log.facts.get("kind") == "recording" and not walked:
+        return "unknown", ""  # of somebody's loop: that its steps were made is no task
     if walked and not follows(log, limits):
         return "failed", "the robot did not follow the commanded velocity"
     standing = log.facts.get("kind") == "stand" and {"q", "contact_positions"} <= set(log.arrays)

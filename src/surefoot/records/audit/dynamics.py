@@ -17,8 +17,8 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import rotation_from_quaternion
-from surefoot.mechanics import Robot
 from surefoot.records.audit.limits import LIMITS
+from surefoot.records.audit.logged_robot import LoggedRobot
 from surefoot.records.log import Log
 
 DAMPING = 1e-4
@@ -49,7 +49,7 @@ class UnexplainedForces:
 
 
 def unexplained(
-    robot: Robot,
+    robot: LoggedRobot,
     log: Log,
     forces_world: FloatArray,
     mass_scale: float = 1.0,
@@ -75,7 +75,7 @@ def unexplained(
     sticking
         A joint slower than this may stick: its dry friction is then any up to its size [rad/s].
     """
-    points, rows = robot.contact_points, len(log) - 1
+    rows = len(log) - 1
     q, v = np.asarray(log["q"]), np.asarray(log["v"])
     dt = np.diff(np.asarray(log["time"]))[:, None]
     acceleration = np.diff(v, axis=0) / dt
@@ -89,7 +89,7 @@ def unexplained(
     force, place = forces_world[:-1], np.asarray(log["contact_positions"])[:-1]
     wrench = np.concatenate([force, np.cross(place, force)], axis=2)
     on_points = np.einsum("tpc,tcj->tpj", wrench, jacobian)
-    support = points.support.astype(np.float64)
+    support = robot.support.astype(np.float64)
     rest = torque - np.einsum("tpj,pj->tj", on_points, support)
     twists = np.einsum("tcj,tsj,pj->tspc", jacobian, np.stack([v[:-1], v[1:]], axis=1), support)
     velocities = twists[..., :3] + np.cross(twists[..., 3:], place[:, None])
@@ -100,7 +100,7 @@ def unexplained(
         local = np.einsum("tji,tj->ti", R, np.asarray(log["push"])[:-1])
         rest[:, :3] -= local
         rest[:, 3:6] -= np.cross(com, local)
-    feet = np.full((rows, len(robot.feet), 3), np.nan)
+    feet = np.full((rows, robot.owner.max(initial=-1) + 1, 3), np.nan)
     if "other_forces" in log:
         rest -= np.asarray(log["other_forces"])[:-1]
     # a step may take the velocity before it, after it, or a mean of both for its Coriolis forces
@@ -116,7 +116,7 @@ def unexplained(
     return UnexplainedForces(force_left, moment_left, feet, velocities)
 
 
-def balanced_forces(robot: Robot, log: Log) -> FloatArray:
+def balanced_forces(robot: LoggedRobot, log: Log) -> FloatArray:
     """Return the forces on the feet that the joint torques of each row balance at rest: (T, n, 3) world [N].
 
     What a controller that gives J^T f to stance legs asks of the ground; inertia of the legs is left out.
@@ -188,13 +188,15 @@ def _newton_euler(
     return torque, jacobian
 
 
-def _at_feet(robot: Robot, rest: FloatArray, jacobian: FloatArray, place: FloatArray) -> FloatArray:
-    """Return the joints' rest of every leg as a force at its foot: (T, n, 3), world axes."""
-    points, base = robot.contact_points, robot.base_dof
-    out = np.empty((len(rest), len(robot.feet), 3))
-    for foot in range(len(robot.feet)):
-        leg = np.flatnonzero(points.foot_support[foot][base:]) + base
-        at = place[:, points.foot == foot].mean(axis=1)
+def _at_feet(robot: LoggedRobot, rest: FloatArray, jacobian: FloatArray, place: FloatArray) -> FloatArray:
+    """Return the joints' rest of every leg as a force at its foot: (T, n, 3), world axes; NaN at the base."""
+    base = robot.base_dof
+    out = np.full((len(rest), int(robot.owner.max(initial=-1)) + 1, 3), np.nan)
+    for foot in range(out.shape[1]):
+        leg = np.flatnonzero(robot.leg(foot)[base:]) + base
+        if not leg.size:
+            continue
+        at = place[:, robot.owner == foot].mean(axis=1)
         J = jacobian[:, :3, leg] + np.cross(jacobian[:, 3:, leg], at[:, :, None], axis=1)
         # Least squares f of Jᵀ f = r over the leg's joints, damped where the leg is stretched.
         JJ = np.einsum("tij,tkj->tik", J, J)

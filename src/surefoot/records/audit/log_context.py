@@ -16,6 +16,7 @@ from surefoot.records.audit.dynamics import MOTOR_FACTS
 from surefoot.records.audit.ground import ground_plane
 from surefoot.records.audit.laws import stated
 from surefoot.records.audit.limits import LIMITS, AuditLimits
+from surefoot.records.audit.logged_robot import LoggedRobot, from_recording, from_robot
 from surefoot.records.log import Log
 from surefoot.records.log.snapshot import point_names
 
@@ -86,7 +87,7 @@ class Setting:
     settling: float
     payload: float
     payload_position: FloatArray
-    robot: Robot | None
+    robot: LoggedRobot | None
     why_no_motion: str
     after: bool | None = False
     plane: bool = False
@@ -113,31 +114,6 @@ class Setting:
     def single(self, contact: int) -> bool:
         """Return whether a contact is all that its foot has."""
         return int((self.owner == self.owner[contact]).sum()) == 1
-
-
-def arrange_contacts(log: Log, robot: Robot | None) -> Log:
-    """Return a recording with its contact points in the order of a robot's feet, matched by name.
-
-    As it is where it is no recording, or not every contact point is a foot's of its own.
-    """
-    if robot is None or log.facts.get("kind") != "recording":
-        return log
-    names = [str(name) for name in log.facts.get("feet", ())]
-    owner = np.asarray(log.facts.get("contact_foot", ()))
-    try:
-        places = [robot.foot_names.index(robot.foot(name).name) for name in names]
-    except SurefootError:
-        return log
-    if sorted(places) != list(range(len(robot.foot_names))) or owner.shape != (len(robot.contact_points),):
-        return log
-    order = np.argsort(np.array(places)[owner], kind="stable")
-    arrays = {
-        name: array[:, order] if "p" in log.channels[name].shape else array
-        for name, array in log.arrays.items()
-    }
-    facts = {name: np.asarray(f)[order] if name in OF_POINTS else f for name, f in log.facts.items()}
-    facts |= {"feet": list(robot.foot_names), "contact_foot": np.array(places)[owner][order]}
-    return Log(arrays, facts, channels=log.channels)
 
 
 def setting_of(log: Log, robot: Robot | None, limits: AuditLimits = LIMITS) -> Setting:
@@ -189,7 +165,7 @@ def setting_of(log: Log, robot: Robot | None, limits: AuditLimits = LIMITS) -> S
             f"the world declares itself soft: sinking to {1e3 * sinking:.2g} mm, creep to "
             f"{1e3 * creep:.2g} mm/s {held} count as lawful{deep}{swing}"
         )
-    model, why = _robot(log, robot, doubts, limits.records.same_mass)
+    model, why = _robot(log, robot, owner, doubts, limits.records.same_mass)
     plane = str(log.facts.get("terrain", "")).split(":")[0] in PLANES
     near = limits.consistency.place + sinking
     ground = ground_plane(log, 0.0 if plane else limits.consistency.shown, near)
@@ -249,7 +225,9 @@ def _feet(log: Log, count: int) -> tuple[tuple[str, ...], IntArray]:
     return feet, owner.astype(np.int64)
 
 
-def _weight(log: Log, model: Robot | None, payload: float, notes: list[str], doubts: list[str]) -> float:
+def _weight(
+    log: Log, model: LoggedRobot | None, payload: float, notes: list[str], doubts: list[str]
+) -> float:
     """Return m g: the log's, else the robot's, else from the forces, which is a doubt."""
     if "mass" in log.facts:
         return float(log.fact("mass")) * GRAVITY
@@ -266,15 +244,9 @@ def _weight(log: Log, model: Robot | None, payload: float, notes: list[str], dou
     return mean if known else GRAVITY
 
 
-def _same_feet(robot: Robot, feet: tuple[str, ...]) -> bool:
-    """Return whether a log's feet are the robot's, in its order; short names do."""
-    try:
-        return tuple(robot.foot(name).name for name in feet) == robot.foot_names
-    except SurefootError:
-        return False
-
-
-def _robot(log: Log, robot: Robot | None, doubts: list[str], same_mass: float) -> tuple[Robot | None, str]:
+def _robot(
+    log: Log, robot: Robot | None, owner: IntArray, doubts: list[str], same_mass: float
+) -> tuple[LoggedRobot | None, str]:
     """Return the robot of a log, or why its equations of motion cannot be judged."""
     if len(log) < 3:
         return None, "the log has fewer than three rows"
@@ -283,6 +255,9 @@ def _robot(log: Log, robot: Robot | None, doubts: list[str], same_mass: float) -
     if lacking:
         return None, f"the log has no {', '.join(lacking)}"
     recorded = log.facts.get("kind") == "recording"
+    kept = from_recording(log, owner) if robot is None and recorded else "no recording"
+    if not isinstance(kept, str):
+        return kept, ""
     if robot is None:
         if "robot" not in log.facts:
             return None, "the log does not name its robot: give one"
@@ -290,13 +265,19 @@ def _robot(log: Log, robot: Robot | None, doubts: list[str], same_mass: float) -
         try:
             robot = load_robot(name)
         except SurefootError as error:
-            return None, str(error)
+            return None, kept if "model_bodies" in log.facts else str(error)
         if recorded and abs(robot.mass - float(log.fact("mass"))) > same_mass * robot.mass:
             return None, f"the recording's {name} has another mass than ours: give the robot itself"
-    if recorded and not _same_feet(robot, tuple(map(str, log.facts.get("feet", ())))):
-        return None, f"the recording's feet are not {', '.join(robot.foot_names)}"
+    return _as_logged(robot, log, owner, doubts, recorded)
+
+
+def _as_logged(
+    robot: Robot, log: Log, owner: IntArray, doubts: list[str], recorded: bool
+) -> tuple[LoggedRobot | None, str]:
+    """Return a robot with the contact points of a log, or why they do not fit."""
     have = (log["q"].shape[1], log["v"].shape[1], log["forces"].shape[1])
-    want = (int(robot.model.nq), int(robot.model.nv), len(robot.contact_points))
+    points = have[2] if recorded else len(robot.contact_points)
+    want = (int(robot.model.nq), int(robot.model.nv), points)
     if not robot.floating and have[:2] == want[:2]:
         return None, "the robot is bolted to the world"
     if have != want:
@@ -305,4 +286,5 @@ def _robot(log: Log, robot: Robot | None, doubts: list[str], same_mass: float) -
     if "torques" in log and log["torques"].shape[1] != robot.joints:
         doubts.append(f"{robot.name} has {robot.joints} joints, the log {log['torques'].shape[1]}")
         return None, doubts[-1]
-    return robot, ""
+    found = from_robot(robot, log, owner)
+    return (None, found) if isinstance(found, str) else (found, "")

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.arrays import BoolArray
 from surefoot.records.audit.ground import LEVEL
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.rows import Measured, Rows, over

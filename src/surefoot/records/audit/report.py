@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any, Literal, TypeAlias
 
 from surefoot.base.errors import SurefootError
 from surefoot.records.audit.limits import LIMITS, AuditLimits
+from surefoot.records.audit.story.told import Cause, Story
 
 Judgement: TypeAlias = Literal["lawful", "broken", "cannot tell"]
 """Every law that could be judged holds; one at least is broken; the log does not let one know."""
@@ -164,6 +165,8 @@ class AuditReport:
         Where the controller asked for what no contact can give, or did not get what it asked for.
     limits
         What the log was judged by; `limits.lines()` prints it.
+    story
+        What happened and why; `str(story)` is a paragraph.
     """
 
     verdict: Judgement
@@ -183,6 +186,20 @@ class AuditReport:
     task_reason: str = ""
     command: tuple[Finding, ...] = ()
     limits: AuditLimits = LIMITS
+    story: Story = field(default_factory=Story)
+
+    def __str__(self) -> str:
+        return f"{self.story} {self.sentence[0].upper()}{self.sentence[1:]}."
+
+    @property
+    def causes(self) -> tuple[Cause, ...]:
+        """What explains how the run went wrong, the likeliest first; empty where nothing did."""
+        return self.story.causes
+
+    @property
+    def first_cause(self) -> Cause | None:
+        """The first of `causes`."""
+        return self.story.causes[0] if self.story.causes else None
 
     @property
     def lawful(self) -> bool:

@@ -115,6 +115,7 @@ FACTS: dict[str, Fact] = {
     "model_inertia_axes": Fact("principal axes in the links', quaternion w, x, y, z", ("bodies", 4)),
     "model_positions": Fact("of the links in their parents' axes [m]", ("bodies", 3)),
     "model_orientations": Fact("of the links there, quaternion w, x, y, z", ("bodies", 4)),
+    "model_joint_kinds": Fact("free, hinge, slide or other, the root's first", ("all_joints",), text=True),
     "model_joint_bodies": Fact("place of the link that each joint moves", ("joints",)),
     "model_joint_axes": Fact("in that link's axes", ("joints", 3)),
     "model_joint_places": Fact("in that link's axes [m]", ("joints", 3)),
@@ -149,6 +150,7 @@ FACTS: dict[str, Fact] = {
     "optimum_rows": Fact("multipliers of the program's rows", ("rows",)),
     "end_q": Fact("configuration at the end of the last row", ("nq",)),
     "end_v": Fact("velocity there", ("nv",)),
+    "granted_share": Fact("least share of a velocity asked for that a walk granted"),
     "notes": Fact("what the controller changed in its command", ("lines",), text=True),
 }
 """Facts that Surefoot writes and reads by name; a log may hold others."""

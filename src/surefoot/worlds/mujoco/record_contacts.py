@@ -161,8 +161,8 @@ class Slots:
             more["pyramid_turn"] = _TURN
         return out | {name: np.nan_to_num(table[..., part]) for name, part in more.items()}
 
-    def facts(self, feet_at: Container[int]) -> dict[str, Any]:
-        """Return what the model says of the contacts, point by point; `feet_at` the bodies that are feet."""
+    def facts(self, foot_geoms: Container[int]) -> dict[str, Any]:
+        """Return what the model says of the contacts, point by point; `foot_geoms` those that are feet."""
         names = [[self.name(geom) for geom in slot.pair] for slot in self._slots]
         feet = list(dict.fromkeys(own for own, _ in names))
         out: dict[str, Any] = {
@@ -170,9 +170,9 @@ class Slots:
             "contact_with": [other for _, other in names],
             "cone": "pyramidal" if self._pyramids else "elliptic",
         }  # fmt: skip
-        own_bodies, others = zip(*(slot.bodies for slot in self._slots), strict=True) if self._slots else ((), ())
-        out["contact_body"] = [body_name(self._model, b) for b in own_bodies]
-        out["contact_is_foot"] = np.array([float(b in feet_at) for b in own_bodies])
+        own, others = ([slot.bodies[k] for slot in self._slots] for k in (0, 1))
+        out["contact_body"] = [body_name(self._model, b) for b in own]
+        out["contact_is_foot"] = np.array([float(slot.pair[0] in foot_geoms) for slot in self._slots])
         out["contact_other_moves"] = np.array([float(self._model.body_weldid[b] != 0) for b in others])
         if any(slot.rolling.any() for slot in self._slots):
             out["moment_friction"] = np.array([slot.rolling for slot in self._slots])

@@ -168,7 +168,7 @@ class TreeForces:
         return out
 
     def _gained_weight(self) -> FloatArray:
-        """Return the weight (3,) of what a loop has put on its robot's bodies, or taken off, since its start."""
+        """Return the weight (3,) that a loop has put on its robot's bodies since its start."""
         mass = float(self._model.body_mass[self._tree.bodies].sum())
         return np.asarray((mass - self._mass) * self._model.opt.gravity)
 

@@ -1,12 +1,12 @@
 """What a recording keeps of the model it was made with: bodies, joints, geoms, actuators, and what changed.
 
-Plain arrays and names, from which an audit tells feet from other links, torques that were asked for from those
-that were given, and a world that changed under the robot from one that did not.
+Plain arrays and names, from which an audit tells feet from other links, torques that were asked for from
+those that were given, and a world that changed under the robot from one that did not.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,11 +15,13 @@ from surefoot.base.arrays import FloatArray
 from surefoot.worlds.mujoco.record_tree import BodyTree
 
 LOWEST = 0.5
-"""An end of a limb is a foot if it is at least this share as far below the robot's root as the lowest."""
+"""An end of a limb is a foot if it reaches at least this share as far below the root as the lowest."""
+BESIDE = 0.1
+"""Its geoms that are within this share of that depth of its lowest are the foot; others are its shank."""
 
 
 class Change(NamedTuple):
-    """A number of the model that its loop changed: when [s], of what, whose, and its factor on the old one."""
+    """A number of the model that its loop changed: when [s], of what, whose, and its factor on the old."""
 
     time: float
     kind: str
@@ -39,7 +41,7 @@ class ModelWatch:
     def __init__(self, mujoco: Any, model: Any) -> None:
         self._mujoco, self._model = mujoco, model
         kinds = mujoco.mjtObj
-        self._kinds = {
+        self._kinds: dict[str, tuple[Any, Callable[[], FloatArray]]] = {
             "mass": (kinds.mjOBJ_BODY, lambda: model.body_mass),
             "gain": (kinds.mjOBJ_ACTUATOR, lambda: model.actuator_gainprm[:, 0]),
             "torque limit": (kinds.mjOBJ_ACTUATOR, lambda: model.actuator_forcerange[:, 1]),
@@ -74,8 +76,8 @@ class ModelWatch:
 class AskedTorques:
     """What actuators of a model are asked for on its hinges and slides, before their limits cut it.
 
-    By the model as it was at the start: an actuator whose gain is cut later gives less than is asked. Actuators
-    with a memory, on tendons or by functions of the user's own are not known.
+    By the model as it was at the start: an actuator whose gain is cut later gives less than is asked.
+    Actuators with a memory, on tendons or by functions of the user's own are not known.
 
     Attributes
     ----------
@@ -138,26 +140,59 @@ def body_name(model: Any, body: int) -> str:
     return str(model.body(body).name) or f"body {body}"
 
 
-def foot_bodies(model: Any, data: Any, tree: BodyTree) -> set[int]:
-    """Return the bodies that are feet: ends of limbs, near the lowest of them in the pose of the data.
+def foot_geoms(model: Any, data: Any, tree: BodyTree) -> set[int]:
+    """Return the geoms that are feet: the lowest of the limbs' ends that reach down, in the pose of the data.
 
-    Bodies that are welded to each other are one; of a robot of one body that one is all its feet.
+    Bodies that are welded to each other are one; of a robot of one body all its geoms are feet.
     """
     own, weld = set(tree.bodies.tolist()), np.asarray(model.body_weldid)
     inner = {int(weld[model.body_parentid[b]]) for b in own if weld[b] == b and b != tree.root}
-    ends = {int(weld[b]) for b in own} - inner
-    down = -np.asarray(model.opt.gravity)
-    down = down / max(float(np.linalg.norm(down)), 1e-12)
-    depth = {b: float(down @ (data.xpos[tree.root] - data.xipos[b])) for b in ends}
-    lowest = max(depth.values(), default=0.0)
-    feet = {b for b in ends if lowest <= 0.0 or depth[b] >= LOWEST * lowest}
-    return {b for b in own if int(weld[b]) in feet}
+    gravity = np.asarray(model.opt.gravity)
+    down = gravity / max(float(np.linalg.norm(gravity)), 1e-12)
+    depth: dict[int, dict[int, float]] = {}
+    for geom in np.flatnonzero(np.isin(model.geom_bodyid, list(own))).tolist():
+        body = int(weld[model.geom_bodyid[geom]])
+        if body not in inner and (model.geom_contype[geom] or model.geom_conaffinity[geom]):
+            at = _lowest(model, data, geom, down) - float(down @ data.xpos[tree.root])
+            depth.setdefault(body, {})[geom] = at
+    if len(depth) < 2:
+        return {geom for geoms in depth.values() for geom in geoms}
+    lowest = max(max(geoms.values()) for geoms in depth.values())
+    return {
+        geom
+        for geoms in depth.values()
+        for geom, at in geoms.items()
+        if at >= max(LOWEST * lowest, max(geoms.values()) - BESIDE * abs(lowest))
+    }
 
 
-def model_facts(model: Any, tree: BodyTree, geom_names: Sequence[str]) -> dict[str, Any]:
+def _lowest(model: Any, data: Any, geom: int, down: FloatArray) -> float:
+    """Return how far a geom's box reaches along (3,) `down` [m]."""
+    middle, half = model.geom_aabb[geom, :3], model.geom_aabb[geom, 3:]
+    along = data.geom_xmat[geom].reshape(3, 3).T @ down
+    return float(down @ data.geom_xpos[geom] + along @ middle + np.abs(along) @ half)
+
+
+def joint_kinds(mujoco: Any, model: Any, tree: BodyTree) -> list[str]:
+    """Return what kind each joint of the robot is, the root's first: "free", "hinge", "slide" or "other".
+
+    Other are balls, and joints that do not begin at zero.
+    """
+    kinds = mujoco.mjtJoint
+    names = {int(kinds.mjJNT_FREE): "free", int(kinds.mjJNT_HINGE): "hinge", int(kinds.mjJNT_SLIDE): "slide"}
+    own = [j for j in range(model.njnt) if int(model.jnt_bodyid[j]) in tree.place]
+    out = [names.get(int(model.jnt_type[j]), "other") for j in own]
+    return [
+        "other" if kind != "free" and model.qpos0[model.jnt_qposadr[j]] != 0.0 else kind
+        for kind, j in zip(out, own, strict=True)
+    ]
+
+
+def model_facts(mujoco: Any, model: Any, tree: BodyTree, geom_names: Sequence[str]) -> dict[str, Any]:
     """Return the robot's bodies, joints and geoms as plain facts of a log.
 
-    Bodies in the order of `tree.bodies`, parents as places in it (-1 for the world), joints in the log's order.
+    Bodies in the order of `tree.bodies`, parents as places in it (-1 for the world), joints in the log's
+    order, but their kinds with that of the root before them.
     """
     bodies = tree.bodies.tolist()
     place = {body: k for k, body in enumerate(bodies)}
@@ -174,11 +209,12 @@ def model_facts(model: Any, tree: BodyTree, geom_names: Sequence[str]) -> dict[s
         "model_inertia_axes": np.array(model.body_iquat[bodies]),
         "model_positions": np.array(model.body_pos[bodies]),
         "model_orientations": np.array(model.body_quat[bodies]),
+        "model_joint_kinds": joint_kinds(mujoco, model, tree),
         "model_joint_bodies": np.array([place[int(model.jnt_bodyid[j])] for j in own]),
         "model_joint_axes": np.array(model.jnt_axis[own]).reshape(-1, 3),
         "model_joint_places": np.array(model.jnt_pos[own]).reshape(-1, 3),
         "model_joint_ranges": ranges.reshape(-1, 2),
-        "model_geoms": [geom_names[g] for g in geoms],
+        "model_geoms": [geom_names[int(g)] for g in geoms],
         "model_geom_bodies": np.array([place[int(model.geom_bodyid[g])] for g in geoms]),
         "model_geom_types": np.array(model.geom_type[geoms]),
         "model_geom_sizes": np.array(model.geom_size[geoms]),

@@ -17,7 +17,7 @@ from surefoot.records import CHANNELS, Ending, Log, Recorder, find_doubts
 from surefoot.worlds.mujoco.mujoco_world import import_mujoco
 from surefoot.worlds.mujoco.record_contacts import Slots
 from surefoot.worlds.mujoco.record_forces import ForceStages, TreeForces
-from surefoot.worlds.mujoco.record_model import AskedTorques, ModelWatch, foot_bodies, model_facts
+from surefoot.worlds.mujoco.record_model import AskedTorques, ModelWatch, foot_geoms, model_facts
 from surefoot.worlds.mujoco.record_tree import BodyTree
 
 MOST_STEPS = 10**9
@@ -50,7 +50,7 @@ class Recording(Log):
     def _model_facts(self) -> dict[str, Any]:
         """Return what the log keeps of the model, as it is before the first step."""
         names = [self._slots.name(geom) for geom in range(self._model.ngeom)]
-        return model_facts(self._model, self._tree, names)
+        return model_facts(self._mujoco, self._model, self._tree, names)
 
     def __enter__(self) -> Recording:
         self._original = self._mujoco.mj_step
@@ -58,7 +58,7 @@ class Recording(Log):
         start = self._mujoco.MjData(self._model)
         start.qpos[:] = self._data.qpos
         self._mujoco.mj_kinematics(self._model, start)
-        self._feet = foot_bodies(self._model, start, self._tree)
+        self._feet = foot_geoms(self._model, start, self._tree)
         self._remember()
         return self
 

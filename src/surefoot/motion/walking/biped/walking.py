@@ -47,7 +47,7 @@ from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.load_adaptation import LoadAdaptation
 from surefoot.motion.walking.walk_state import BipedState, GaitState, PlanTimes, StepInput, WalkState
 from surefoot.motion.walking.walker import Walker
-from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand, limit_command
+from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand, granted_share, limit_command
 from surefoot.motion.walking.walking_feet import Feet, SwingRequest
 from surefoot.motion.walking.walking_kernels import follow, slope_frames
 
@@ -124,6 +124,7 @@ class BipedController(Walker):
         self._mpc_dt = gait.period / self.settings.mpc_steps
         self._interval = min(self.settings.plan_interval, self._mpc_dt)
         self.command, self.notes = self._slowed(command)
+        self.granted = granted_share(command, self.command)
         self._set_parts()
 
     def _limit(self, wanted: VelocityCommand) -> VelocityCommand:

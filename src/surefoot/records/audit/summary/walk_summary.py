@@ -19,6 +19,9 @@ from surefoot.records.audit.summary.estimate_summary import (
 from surefoot.records.audit.summary.run_summary import RunSummary, ending_of, shared_fields
 from surefoot.records.log import Ending, Log
 
+NONE = 0.005
+"""Share of a velocity below which nothing of it is granted: 0 % in words."""
+
 
 @dataclass(frozen=True)
 class AxisTracking:
@@ -111,7 +114,7 @@ def summarise_walk(log: Log, limits: AuditLimits = LIMITS) -> WalkSummary:
     def judge(slip: float) -> str:
         if ended is not Ending.DONE:
             return str(ended)
-        return "walked" if velocity.followed_within(limits) else "did not follow"
+        return "walked" if follows(log, limits) else "did not follow"
 
     up = rotation_from_quaternion(q[:, 3:7])[:, :, 2]
     return WalkSummary(
@@ -131,8 +134,16 @@ def summarise_walk(log: Log, limits: AuditLimits = LIMITS) -> WalkSummary:
 
 
 def follows(log: Log, limits: AuditLimits = LIMITS) -> bool:
-    """Return whether a walk went by half its command at least, see `VelocityTracking.followed_within`."""
-    return velocity_tracking(log, limits).followed_within(limits)
+    """Return whether a walk went by half its command at least, see `VelocityTracking.followed_within`.
+
+    A walk that granted nothing of a velocity asked for did not, though it followed what was left: none.
+    """
+    return granted(log) >= NONE and velocity_tracking(log, limits).followed_within(limits)
+
+
+def granted(log: Log) -> float:
+    """Return the least share of a velocity asked for that a walk granted."""
+    return float(log.facts.get("granted_share", 1.0))
 
 
 def velocity_tracking(log: Log, judged: AuditLimits) -> VelocityTracking:

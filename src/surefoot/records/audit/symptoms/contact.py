@@ -181,7 +181,7 @@ def starts_in_the_ground(e: Episode) -> Evidence | None:
 @symptom(
     "deep contact",
     "depth",
-    cause="the contact is soft: what its world declares lawful hides what a policy gains from depth",
+    cause="the contact is soft: what its world declares lawful hides what is gained from depth",
     confirm="halve the contact's time constant: does the motion survive?",
     cure="a stiffer contact (solref, stiffness) with a shorter step",
 )
@@ -196,7 +196,7 @@ def deep_contact(e: Episode) -> Evidence | None:
 @symptom(
     "push off penetration",
     "penetration",
-    cause="the engine turns depth into speed (projection, a stiff spring), and the policy uses it",
+    cause="the engine turns depth into speed (projection, a stiff spring), and the motion lives on it",
     confirm="add up f_n v_n over the contact: it must not be positive",
     cure="limit the depenetration speed, shorten the step, punish depth in training",
 )
@@ -269,7 +269,7 @@ def chatter(e: Episode) -> Evidence | None:
 @symptom(
     "skating",
     "chatter",
-    cause="between blows nothing brakes the foot, and the policy has learnt to travel on that",
+    cause="between blows nothing brakes the foot: it travels while it bounces",
     confirm="add up the way of a foot while its force switches on and off",
     cure="average the contact over a few steps in the reward; damp the contact",
 )

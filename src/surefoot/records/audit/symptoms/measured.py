@@ -283,7 +283,7 @@ def joint_stop(e: Episode) -> Evidence | None:
     robot, limits = e.rows.setting.robot, e.limits.measured
     if robot is None:
         return None
-    leg = robot.contact_points.support[e.column][robot.base_dof :]
+    leg = robot.support[e.column][robot.base_dof :]
     q = np.asarray(e.rows.log["q"])[e.rows.core, 7:]
     low, high = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
     if q.shape[1] != len(leg):
@@ -309,7 +309,7 @@ def dead_torque(e: Episode) -> Evidence | None:
     robot, log = e.rows.setting.robot, e.rows.log
     if robot is None or "torques" not in log or not e.has("motion"):
         return None
-    leg = np.flatnonzero(robot.contact_points.support[e.column][robot.base_dof :])
+    leg = np.flatnonzero(robot.support[e.column][robot.base_dof :])
     torques = np.asarray(log["torques"])[e.rows.core][:, leg]
     dead = (torques == 0.0).mean(axis=0) > e.limits.measured.dead_share
     if dead.sum() != 1 or not (torques[:, ~dead] != 0.0).any():

@@ -1,0 +1,129 @@
+"""The table of causes: what each is, the evidence that it needs, and what would refute it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from surefoot.records.audit.report import Finding
+from surefoot.records.audit.story import balance_causes, control_causes, world_causes
+from surefoot.records.audit.story.sign import Sign
+from surefoot.records.audit.story.signals import Signals
+
+
+@dataclass(frozen=True)
+class Rule:
+    """One cause.
+
+    Attributes
+    ----------
+    name
+        What it is called.
+    find
+        From signals to what speaks for it.
+    refuted
+        The counterfactual that would refute it, in words.
+    remedy
+        What to try.
+    lasts
+        Whether it goes on once it has begun; else it explains nothing that comes much later.
+    alone
+        Whether it is one also where the log shows no failure.
+    outside
+        Whether nothing that the robot does can bring it about: it is no consequence of another cause.
+    residual
+        Whether it is told only by what it leads to: it is a cause where no other is.
+    """
+
+    name: str
+    find: Callable[[Signals], Iterator[Sign]]
+    refuted: str
+    remedy: str
+    lasts: bool = True
+    alone: bool = True
+    outside: bool = False
+    residual: bool = False
+
+
+FRAMES = ("wrong frame", "reversed", "mirrored", "swapped feet", "wrong scale")
+"""Symptoms of an audit that say what was done to the forces of a log."""
+WRONG_FRAME = Rule(
+    "wrong contact frame",
+    lambda s: iter(()),
+    "the forces as logged explain the motion",
+    "state the frame and the sign of every force in its name; turn it once",
+    outside=True,
+)
+RULES = (
+    Rule(
+        "push", world_causes.push, "the impulse is too small to matter, or was long before",
+        "plan for it: wider stance, quicker steps, or keep away", lasts=False, alone=False, outside=True,
+    ),
+    Rule(
+        "payload", world_causes.payload, "the mass of the robot is what it was",
+        "estimate the load and give it to the controller", outside=True,
+    ),
+    Rule(
+        "weak actuator", control_causes.weak, "it gives what is asked for within its limits",
+        "check the drive; make the controller stop, or walk without it", outside=True,
+    ),
+    Rule(
+        "slope too steep", world_causes.slope, "friction holds on that tilt",
+        "less slope, or feet with more friction", alone=False, outside=True,
+    ),
+    Rule(
+        "slippery ground", world_causes.slippery, "the foot sticks on as much friction as before",
+        "ask for less tangential force: slower, wider, the friction told to the controller", lasts=False,
+        alone=False,
+    ),
+    Rule(
+        "terrain edge", world_causes.edge, "all feet stand on the plane that they began on",
+        "tell the gait of the ground, or lift the feet higher and land by touch", lasts=False, alone=False,
+    ),
+    Rule(
+        "soft contact", world_causes.soft, "no contact goes deeper than shoes would",
+        "stiffer contact (solref, solimp) and a shorter time step", outside=True,
+    ),
+    Rule(
+        "self-collision", world_causes.self_collision, "no links touch",
+        "keep links apart in the targets, or leave the pair out of collision if the model is wrong",
+    ),
+    Rule(
+        "chattering gains", control_causes.chatter, "torques do not alternate",
+        "lower the gains, or the time step; damping below the mass over the time step",
+    ),
+    Rule(
+        "delayed control", control_causes.delayed, "torques answer the state of their own row",
+        "use the newest measurement; lower the gains for the delay that is left", outside=True,
+    ),
+    Rule(
+        "saturated actuator", control_causes.saturated, "no torque is at its limit for long",
+        "slower or smaller motions, or stronger motors",
+    ),
+    Rule(
+        "impossible command", control_causes.out_of_reach, "no joint is at its stop",
+        "ask for what is within reach",
+    ),
+    Rule(
+        "foot placement", balance_causes.placement, "the capture point stays within the feet",
+        "land earlier, and nearer to the capture point", alone=False, residual=True,
+    ),
+    Rule(
+        "slow gait", balance_causes.slow, "the body's way in a stance is within the legs' reach",
+        "a shorter period for this speed", alone=False, residual=True,
+    ),
+    Rule(
+        "wrong mass", balance_causes.wrong_mass, "the body keeps its height",
+        "give the controller the mass and the centre of mass that there are", alone=False, residual=True,
+    ),
+    Rule(
+        "sensor bias", balance_causes.bias, "the body is not driven to one side from the start",
+        "calibrate: the level of the base, the zeros of the joints", alone=False, residual=True,
+    ),
+)  # fmt: skip
+
+
+def frame_sign(symptoms: tuple[Finding, ...]) -> Sign | None:
+    """Return what an audit's symptoms say of forces that are not what acted; None where they do not."""
+    found = next((f for f in symptoms[:1] if f.name in FRAMES), None)
+    return None if found is None else Sign(found.start, found.contact, found.evidence, found.strength)

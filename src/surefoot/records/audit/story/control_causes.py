@@ -1,0 +1,160 @@
+"""Causes that lie in motors and control: weak or saturated actuators, delay, chatter, out of reach."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.records.audit.rows import sliding_mean
+from surefoot.records.audit.story.sign import Sign
+from surefoot.records.audit.story.signals import Signals
+from surefoot.records.audit.story.world_causes import changed
+
+LAGS = 0.08
+"""Longest delay that is looked for [s]."""
+
+
+def weak(s: Signals) -> Iterator[Sign]:
+    """Yield actuators whose gain is cut, that give less than is asked for, or nothing from some time on."""
+    for time, name, factor in changed(s, "gain"):
+        if factor < s.limits.weaker:
+            yield Sign(time, name, f"the gain of {name} falls to {factor:.0%}", 1.0 - factor)
+    largest = _largest(s)
+    if not len(largest):
+        return
+    for k, name in enumerate(s.joints):
+        sign = _less_than_asked(s, k, name) or _gone(s, k, name, float(largest[k]))
+        if sign is not None:
+            yield sign
+
+
+def _largest(s: Signals) -> FloatArray:
+    """Return what torques are measured by: (joints,) their limits, else the largest of all."""
+    most = np.abs(s.torques).max(axis=0, initial=0.0)
+    return np.where(np.isfinite(s.torque_limits), s.torque_limits, np.full(len(most), most.max(initial=0.0)))
+
+
+def _less_than_asked(s: Signals, k: int, name: str) -> Sign | None:
+    """Return where a joint gets less torque than is asked for though no limit of its own is met."""
+    asked, given, limit = s.asked[:, k], s.torques[:, k], float(s.torque_limits[k])
+    within = np.clip(asked, -limit, limit)
+    size = np.abs(within)
+    floor = s.limits.carried * max(float(size.max(initial=0.0)), 1e-9)
+    less = (size > floor) & (given * np.sign(within) < s.limits.weaker * size)
+    row = s.first(less, s.rows(s.limits.brief))
+    if row is None or less[row:].mean() < 0.5 * (size[row:] > floor).mean():
+        return None
+    share = float(np.sum(given[row:] * within[row:]) / max(float(np.sum(within[row:] ** 2)), 1e-12))
+    return Sign(float(s.time[row]), name, f"{name} gives {share:.0%} of the torque that is asked for", 1.0)
+
+
+def _gone(s: Signals, k: int, name: str, largest: float) -> Sign | None:
+    """Return where a joint that carried a torque has none any more, to the last digit, until the end."""
+    torque = s.torques[:, k]
+    zero = np.abs(torque) <= 1e-9 * max(largest, 1e-9)
+    if not zero[-1]:
+        return None
+    row = int(len(zero) - np.argmin(zero[::-1])) if not zero.all() else 0
+    if row < 2 or (len(zero) - row) * s.dt < 2.0 * s.limits.brief:
+        return None
+    carried = float(np.sqrt(np.mean(torque[:row] ** 2)))
+    if carried < s.limits.carried * largest:
+        return None
+    return Sign(float(s.time[row]), name, f"{name} carried {carried:.3g} N m and gives nothing any more", 1.0)
+
+
+def saturated(s: Signals) -> Iterator[Sign]:
+    """Yield torques that stay at their limits for most of a time while more is asked for."""
+    for time, name, factor in changed(s, "torque limit"):
+        if factor < s.limits.weaker:
+            yield Sign(time, name, f"the torque limit of {name} falls to {factor:.0%}", 1.0)
+    at = at_limit(s)
+    for k, name in enumerate(s.joints):
+        share = sliding_mean(at[:, k].astype(np.float64), s.rows(s.limits.window))
+        row = s.first(share > s.limits.saturated)
+        if row is not None:
+            begun = row + int(at[row:, k].argmax())
+            words = f"{name} stays at its limit of {np.abs(s.torques[:, k]).max():.3g} N m"
+            yield Sign(float(s.time[begun]), name, words, float(at[:, k].mean()))
+
+
+def at_limit(s: Signals) -> BoolArray:
+    """Return (T, joints) where torques are at their limits: those told, else a value never exceeded."""
+    size = np.abs(s.torques)
+    known = np.isfinite(s.torque_limits)
+    most = size.max(axis=0, initial=0.0)
+    flat = (size >= (1.0 - 1e-9) * np.maximum(most, 1e-12)) & (most > 0.0)
+    # a limit that nobody told is a value met to the last digit again and again
+    flat &= flat.mean(axis=0) > 0.01
+    limit = np.where(known, s.torque_limits, np.inf)
+    asked = np.abs(s.asked) > 1.02 * limit if "torques_commanded" in s else size >= 0.995 * limit
+    return np.asarray(np.where(known, asked & (size >= 0.98 * limit), flat))
+
+
+def delayed(s: Signals) -> Iterator[Sign]:
+    """Yield that torques answer the state of some time ago: explained far better with a lag than without."""
+    q, v = s.joint_state
+    if not q.shape[1] or len(q) < 4 * s.rows(LAGS) or q.shape != s.torques.shape:
+        return
+    free = ~at_limit(s)
+    left = np.array([_unexplained(s, q, v, free, lag) for lag in range(s.rows(LAGS) + 1)])
+    best = int(left.argmin())
+    if best * s.dt >= s.limits.lag and left[best] < s.limits.lag_better * left[0]:
+        words = f"torques answer the state of {1e3 * best * s.dt:.0f} ms ago"
+        yield Sign(float(s.time[0]), "body", words, float(1.0 - left[best] / left[0]))
+
+
+def _unexplained(s: Signals, q: FloatArray, v: FloatArray, free: BoolArray, lag: int) -> float:
+    """Return the share of the torques' changes that positions and velocities so many rows ago leave open."""
+    longest = s.rows(LAGS)
+    rows = slice(longest, None)
+    back = slice(longest - lag, len(q) - lag)
+    total = missed = 0.0
+    for k in range(q.shape[1]):
+        on = free[rows, k][1:]
+        if on.sum() < 20:
+            continue
+        change = np.diff(s.torques[rows, k])[on]
+        state = np.stack([np.diff(q[back, k])[on], np.diff(v[back, k])[on]], axis=1)
+        rest = change - state @ np.linalg.lstsq(state, change, rcond=None)[0]
+        total, missed = total + float(change @ change), missed + float(rest @ rest)
+    return missed / total if total > 0.0 else 1.0
+
+
+def chatter(s: Signals) -> Iterator[Sign]:
+    """Yield torques that turn nearly every row, by a good part of what they can give."""
+    if not s.torques.shape[1] or len(s.time) < 4:
+        return
+    step = np.diff(s.torques, axis=0, prepend=s.torques[:1])
+    flips = np.zeros(step.shape, dtype=bool)
+    flips[1:] = step[1:] * step[:-1] < 0.0
+    largest = np.maximum(_largest(s), 1e-9)
+    window = s.rows(s.limits.window)
+    turning = sliding_mean(flips.astype(np.float64), window)
+    swing = np.sqrt(sliding_mean(step**2, window)) / largest
+    on = (turning > s.limits.flips) & (swing > s.limits.swing)
+    for k, name in enumerate(s.joints):
+        row = s.first(on[:, k], window)
+        if row is not None:
+            share, size = turning[row, k], swing[row, k]
+            words = f"the torque of {name} turns in {share:.0%} of rows, by {size:.0%} of its largest"
+            yield Sign(float(s.time[row]), name, words, float(turning[:, k].mean()))
+
+
+def out_of_reach(s: Signals) -> Iterator[Sign]:
+    """Yield joints that are driven into their stops."""
+    ranges = s.log.facts.get("model_joint_ranges")
+    q, _ = s.joint_state
+    if ranges is None or q.shape != s.torques.shape or not q.shape[1]:
+        return
+    low, high = np.asarray(ranges, dtype=np.float64).T
+    slack = 0.01 * np.where(np.isfinite(high - low), high - low, 0.0)
+    least = s.limits.carried * np.maximum(_largest(s), 1e-9)
+    into = ((q > high - slack) & (s.asked > least)) | ((q < low + slack) & (s.asked < -least))
+    for k, name in enumerate(s.joints):
+        row = s.first(into[:, k], s.rows(s.limits.stop_time))
+        if row is not None:
+            words = f"{name} is driven against its stop at {q[row, k]:.2f}"
+            yield Sign(float(s.time[row]), name, words, float(into[:, k].mean()))

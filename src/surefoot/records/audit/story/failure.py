@@ -1,0 +1,70 @@
+"""How a run went wrong, if it did: what a story has to explain."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surefoot.base.arrays import BoolArray
+from surefoot.records.audit.story.signals import Signals
+from surefoot.records.audit.story.told import Event
+
+
+def touch_down_of_links(s: Signals) -> BoolArray:
+    """Return (T, p) where links that are no feet press on ground that stands still."""
+    return np.asarray(s.loaded & ~s.is_foot & ~s.on_movable)
+
+
+def fall(s: Signals) -> Event | None:
+    """Return the first sign that a robot with a free base fell: it leans, is low, or lies on a link."""
+    if not s.floating or len(s.time) < 2:
+        return None
+    limits, least = s.limits, s.rows(s.limits.brief)
+    lost = (s.com[0] - s.com) @ s.up
+    if s.positions.shape[1] and s.loaded.any():
+        # over the ground under it, which may slope or step
+        under = np.where(s.loaded, s.positions @ s.up, np.inf).min(axis=1)
+        over = s.com @ s.up - np.where(np.isfinite(under), under, np.inf)
+        lost = np.where(np.isfinite(over), s.height - over, 0.0)
+    lain = touch_down_of_links(s)
+    always = lain[: s.rows(0.05)].any(axis=0)  # what lies on a link from the start has not fallen by it
+    signs = {
+        "lean": s.lean > limits.lean,
+        "low": lost > limits.drop * max(s.height, 1e-3),
+        "link": (lain & ~always).any(axis=1),
+    }
+    at = {name: row for name, sign in signs.items() if (row := s.first(sign, least)) is not None}
+    if not at or ("lean" not in at and "low" not in at):
+        return None
+    row = min(at.values())
+    sign = next(name for name in at if at[name] == row)
+    link = s.links[int(np.argmax((lain & ~always)[row]))] if sign == "link" else "body"
+    words = {
+        "lean": f"the base leans by {np.degrees(s.lean[row]):.0f} deg",
+        "low": f"the centre of mass is {lost[row]:.2f} m lower, of {s.height:.2f} m",
+        "link": f"{link} is on the ground",
+    }
+    return Event("fell", float(s.time[row]), link, words[sign])
+
+
+def slide(s: Signals) -> Event | None:
+    """Return the first slide of feet that goes on for more than a bit."""
+    if not s.sliding.any():
+        return None
+    way = np.cumsum(s.slip_speed * s.sliding * s.dt, axis=0)
+    window = s.rows(0.5)
+    before = np.concatenate([np.zeros((min(window, len(way)), way.shape[1])), way[:-window]])
+    far = way - before > s.limits.slide
+    if not far.any():
+        return None
+    row, k = (int(i) for i in np.argwhere(far)[0])
+    begun = max(row - window, 0) + int(s.sliding[max(row - window, 0) : row + 1, k].argmax())
+    total = float(way[-1].max())
+    return Event("slides", float(s.time[begun]), s.names[k], f"{total:.2f} m with its friction used up")
+
+
+def failure(s: Signals, task_failed: str = "") -> Event | None:
+    """Return what a story has to explain, None where nothing went wrong that the log can tell."""
+    found = fall(s) or slide(s)
+    if found is None and task_failed:
+        return Event("task failed", float(s.time[-1]), "body", task_failed)
+    return found

@@ -1,0 +1,231 @@
+"""What a story reads off a log, worked out once: who stands, who slides, which torques are given and asked.
+
+Everything is over all T rows, in world axes unless said otherwise; NaN, which laws have judged, is zero.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.spatial import rotation_from_quaternion
+from surefoot.mechanics import frames_on
+from surefoot.records.audit.continuity import free_base
+from surefoot.records.audit.log_context import Setting
+from surefoot.records.audit.story.story_limits import STORY_LIMITS, StoryLimits
+from surefoot.records.log import Log
+
+
+class Signals:
+    """The signals of one log.
+
+    Parameters
+    ----------
+    log, setting
+        The log and what its audit knows of it.
+    limits
+        What counts as an event.
+    """
+
+    def __init__(self, log: Log, setting: Setting, limits: StoryLimits = STORY_LIMITS) -> None:
+        self.log, self.setting, self.limits = log, setting, limits
+        self.names, self.weight, self.dt = setting.names, setting.weight, setting.dt
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.log
+
+    def numbers(self, name: str) -> FloatArray:
+        """Return a channel in its shape (T, ...) and unit, zero where it is not finite."""
+        return np.nan_to_num(np.asarray(self.log[name], dtype=np.float64), posinf=0.0, neginf=0.0)
+
+    def rows(self, seconds: float) -> int:
+        """Return how many rows a time [s] has, one at least."""
+        return max(1, round(seconds / self.dt)) if self.dt > 0.0 else 1
+
+    def texts(self, fact: str) -> tuple[str, ...]:
+        """Return a fact of several texts; none where the log does not tell it."""
+        return tuple(map(str, self.log.facts.get(fact, ())))
+
+    @cached_property
+    def time(self) -> FloatArray:
+        """(T,) [s]."""
+        return self.numbers("time")
+
+    @cached_property
+    def gravity(self) -> FloatArray:
+        """(3,) [m/s²]."""
+        return np.asarray(self.log.facts.get("gravity", (0.0, 0.0, -9.81)), dtype=np.float64)
+
+    @cached_property
+    def up(self) -> FloatArray:
+        """(3,) against gravity."""
+        size = float(np.linalg.norm(self.gravity))
+        return -self.gravity / size if size > 0.0 else np.array([0.0, 0.0, 1.0])
+
+    @cached_property
+    def mass(self) -> float:
+        """Mass of all that moves [kg]."""
+        return self.weight / 9.81
+
+    @cached_property
+    def floating(self) -> bool:
+        """Whether the robot has a free base, so that it can fall."""
+        log = self.log
+        if not {"q", "v"} <= set(log.arrays) or len(log) == 0:
+            return False
+        unit = self.setting.limits.records.unit_quaternion
+        return bool(free_base(np.asarray(log["q"][:1]), np.asarray(log["v"][:1]), unit))
+
+    @cached_property
+    def lean(self) -> FloatArray:
+        """(T,) angle of the base's up axis from where it was at first [rad]; zero without a free base."""
+        if not self.floating:
+            return np.zeros(len(self.time))
+        up = rotation_from_quaternion(self.numbers("q")[:, 3:7])[:, :, 2]
+        return np.asarray(np.arccos(np.clip(up @ up[0], -1.0, 1.0)))
+
+    @cached_property
+    def com(self) -> FloatArray:
+        """(T, 3) centre of mass, the base where the log has no other [m]."""
+        if "com" in self:
+            return self.numbers("com")
+        return self.numbers("q")[:, :3] if self.floating else np.zeros((len(self.time), 3))
+
+    @cached_property
+    def com_velocity(self) -> FloatArray:
+        """(T, 3) [m/s]."""
+        if "momentum" in self:
+            return self.numbers("momentum")[:, :3] / self.mass
+        return np.gradient(self.com, axis=0) / max(self.dt, 1e-9) if len(self.time) > 1 else 0.0 * self.com
+
+    @cached_property
+    def is_foot(self) -> BoolArray:
+        """(p,) which contact points are on feet; all where the log does not tell."""
+        return np.asarray(self.log.facts.get("contact_is_foot", np.ones(len(self.names)))) > 0.0
+
+    @cached_property
+    def on_movable(self) -> BoolArray:
+        """(p,) which contact points touch what can move."""
+        return np.asarray(self.log.facts.get("contact_other_moves", np.zeros(len(self.names)))) > 0.0
+
+    @cached_property
+    def links(self) -> tuple[str, ...]:
+        """(p,) links of the contact points, their feet's names where the log does not tell."""
+        return self.texts("contact_body") or tuple(self.setting.feet[k] for k in self.setting.owner)
+
+    @cached_property
+    def forces(self) -> FloatArray:
+        """(T, p, 3) contact axes [N]."""
+        return self.numbers("forces") if "forces" in self else np.zeros((len(self.time), 0, 3))
+
+    @cached_property
+    def normals(self) -> FloatArray:
+        """(T, p, 3) unit normals of the ground; up where the log has none."""
+        if "normals" not in self:
+            return np.broadcast_to(self.up, self.forces.shape)
+        n = self.numbers("normals")
+        size = np.linalg.norm(n, axis=-1, keepdims=True)
+        return np.asarray(np.where(size > 0.5, n / np.maximum(size, 0.5), self.up))
+
+    @cached_property
+    def world_forces(self) -> FloatArray:
+        """(T, p, 3) [N]."""
+        return np.asarray(np.einsum("tpij,tpj->tpi", frames_on(self.normals), self.forces))
+
+    @cached_property
+    def positions(self) -> FloatArray:
+        """(T, p, 3) of the contacts [m]."""
+        return self.numbers("contact_positions") if "contact_positions" in self else 0.0 * self.forces
+
+    @cached_property
+    def loaded(self) -> BoolArray:
+        """(T, p) where contacts carry something."""
+        return np.asarray(self.forces[..., 2] > self.limits.loaded * self.weight)
+
+    @cached_property
+    def gaps(self) -> FloatArray:
+        """(T, p) distances to what is touched, negative in penetration [m]; zero where the log has none."""
+        return self.numbers("gaps") if "gaps" in self else np.zeros(self.loaded.shape)
+
+    @cached_property
+    def mu(self) -> FloatArray:
+        """(T, p) friction of the contacts, infinite where the log does not tell it."""
+        if "contact_friction" in self:
+            return self.numbers("contact_friction")
+        own = self.numbers("mu")[:, None] if "mu" in self else np.full((len(self.time), 1), np.inf)
+        return np.broadcast_to(own, self.loaded.shape)
+
+    @cached_property
+    def friction_use(self) -> FloatArray:
+        """(T, p) friction that a force needs, over what there is; zero where nothing is loaded."""
+        f = self.forces
+        need = np.hypot(f[..., 0], f[..., 1]) / np.maximum(f[..., 2], 1e-9)
+        return np.where(self.loaded, need / np.maximum(self.mu, 1e-9), 0.0)
+
+    @cached_property
+    def slip_speed(self) -> FloatArray:
+        """(T, p) speed of loaded contacts along the ground, less what softness creeps [m/s]."""
+        if "contact_velocities" not in self:
+            return np.zeros(self.loaded.shape)
+        v = self.numbers("contact_velocities")
+        creep = self.numbers("contact_creep") if "contact_creep" in self else self.setting.creep
+        speed = np.maximum(np.hypot(v[..., 0], v[..., 1]) - creep, 0.0)
+        return np.asarray(np.where(self.loaded, speed, 0.0))
+
+    @cached_property
+    def sliding(self) -> BoolArray:
+        """(T, p) where loaded feet slide with their friction used up."""
+        return (
+            np.asarray((self.slip_speed > self.limits.slip_speed) & (self.friction_use > self.limits.used_up))
+            & self.is_foot
+        )
+
+    @cached_property
+    def height(self) -> float:
+        """Height of the centre of mass over the lowest contact when something first carries it [m]."""
+        if not self.loaded.any():
+            return 0.0
+        row = int(self.loaded.any(axis=1).argmax())
+        return float(((self.com[row] - self.positions[row][self.loaded[row]]) @ self.up).max())
+
+    @cached_property
+    def torques(self) -> FloatArray:
+        """(T, joints) given torques [N m, N]."""
+        return self.numbers("torques") if "torques" in self else np.zeros((len(self.time), 0))
+
+    @cached_property
+    def asked(self) -> FloatArray:
+        """(T, joints) torques that were asked for, the given ones where the log has no other [N m, N]."""
+        return self.numbers("torques_commanded") if "torques_commanded" in self else self.torques
+
+    @cached_property
+    def torque_limits(self) -> FloatArray:
+        """(joints,) largest torques, infinite where the log does not tell [N m, N]."""
+        facts = self.log.facts
+        known = facts.get("effort_limits", facts.get("model_torque_limits"))
+        count = self.torques.shape[1]
+        fits = known is not None and np.shape(known) == (count,)
+        return np.asarray(known, dtype=np.float64) if fits else np.full(count, np.inf)
+
+    @cached_property
+    def joints(self) -> tuple[str, ...]:
+        """(joints,) names."""
+        return self.texts("joints") or tuple(f"joint {k}" for k in range(self.torques.shape[1]))
+
+    @cached_property
+    def joint_state(self) -> tuple[FloatArray, FloatArray]:
+        """(T, joints) positions [rad, m] and velocities [rad/s, m/s] of the joints with torques."""
+        count = self.torques.shape[1]
+        if "joint_positions" in self and "joint_velocities" in self:
+            return self.numbers("joint_positions"), self.numbers("joint_velocities")
+        if not count or "q" not in self or "v" not in self:
+            return np.zeros((len(self.time), count)), np.zeros((len(self.time), count))
+        return self.numbers("q")[:, -count:], self.numbers("v")[:, -count:]
+
+    def first(self, where: BoolArray, least: int = 1) -> int | None:
+        """Return the first of so many rows in a row that are true; None if there are no such."""
+        runs = np.flatnonzero(np.diff(np.concatenate([[0], where.astype(np.int8), [0]])))
+        long = np.flatnonzero(runs[1::2] - runs[::2] >= least)
+        return int(runs[::2][long[0]]) if long.size else None

@@ -1,0 +1,81 @@
+"""The story of a run: what happened, in order, and which cause came first."""
+
+from __future__ import annotations
+
+from surefoot.records.audit.log_context import Setting
+from surefoot.records.audit.report import Finding
+from surefoot.records.audit.story.causes import RULES, WRONG_FRAME, Rule, frame_sign
+from surefoot.records.audit.story.failure import failure, fall, slide
+from surefoot.records.audit.story.sign import Sign
+from surefoot.records.audit.story.signals import Signals
+from surefoot.records.audit.story.told import Cause, Event, Story
+from surefoot.records.log import Log
+
+MOST_ROWS = 200_000
+"""Rows that a story is read from: of a longer log the last."""
+
+
+def tell_story(log: Log, setting: Setting, symptoms: tuple[Finding, ...], task_failed: str) -> Story:
+    """Return the story of a log.
+
+    Parameters
+    ----------
+    log, setting
+        The log and what its audit knows of it.
+    symptoms
+        Of its audit, the strongest first.
+    task_failed
+        How the task failed; empty if it did not.
+    """
+    if len(log) < 2 or "forces" not in log or not setting.names:
+        return Story()
+    if len(log) > MOST_ROWS:
+        log = log.rows(slice(len(log) - MOST_ROWS, None))
+    s = Signals(log, setting)
+    failed = failure(s, task_failed)
+    frame = frame_sign(symptoms)
+    if frame is not None:  # what is read off such forces says nothing
+        cause = _cause(WRONG_FRAME, frame)
+        return Story((_event(cause),), (cause,), failed)
+    found = [(rule, sign) for rule in RULES for sign in rule.find(s)]
+    causes = tuple(_cause(rule, sign) for rule, sign in _order(found, s, failed))
+    events = {_event(_cause(rule, sign)) for rule, sign in found}
+    events |= {event for event in (fall(s), slide(s)) if event is not None}
+    return Story(tuple(sorted(events, key=lambda e: e.time)), causes, failed)
+
+
+def _cause(rule: Rule, sign: Sign) -> Cause:
+    return Cause(rule.name, sign.time, sign.where, sign.evidence, rule.refuted, rule.remedy)
+
+
+def _event(cause: Cause) -> Event:
+    return Event(cause.name, cause.time, cause.where, cause.evidence)
+
+
+def _order(found: list[tuple[Rule, Sign]], s: Signals, failed: Event | None) -> list[tuple[Rule, Sign]]:
+    """Return the causes that may explain the failure, one of a name, the likeliest first."""
+    left = [(rule, sign) for rule, sign in found if _may_explain(rule, sign, s, failed)]
+    if any(not rule.residual for rule, _ in left):
+        left = [(rule, sign) for rule, sign in left if not rule.residual] + [
+            (rule, sign) for rule, sign in left if rule.residual
+        ]
+    left.sort(key=lambda one: (one[0].residual, _rank(one, s)))
+    out: dict[str, tuple[Rule, Sign]] = {}
+    for rule, sign in left:
+        out.setdefault(rule.name, (rule, sign))
+    return list(out.values())
+
+
+def _rank(one: tuple[Rule, Sign], s: Signals) -> tuple[float, bool]:
+    """Return what orders causes: when they began, those from outside before what follows from them."""
+    rule, sign = one
+    return sign.time - (s.limits.window if rule.outside else 0.0), not rule.outside
+
+
+def _may_explain(rule: Rule, sign: Sign, s: Signals, failed: Event | None) -> bool:
+    """Return whether a cause began before the failure, and not so long before that it has faded."""
+    if failed is None:
+        return not rule.residual and (rule.alone or not s.floating)
+    if sign.time > failed.time + 0.5 * s.limits.brief:
+        return False
+    return rule.lasts or failed.time - sign.time < s.limits.fades

@@ -1,0 +1,52 @@
+"""What counts as an event of a story, and as evidence of a cause."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from surefoot.base.settings import Settings, setting
+
+
+@dataclass(frozen=True)
+class StoryLimits(Settings):
+    """Limits of events and causes; none of them decides whether a law holds."""
+
+    loaded: float = setting(0.02, "m g", "normal force from which a contact carries something", low=0.0)
+    used_up: float = setting(0.95, "-", "share of mu from which friction is used up", low=0.0)
+    slip_speed: float = setting(0.03, "m/s", "speed from which a loaded contact slides", low=0.0)
+    slide: float = setting(0.04, "m", "way from which a slide of feet is one that matters", low=0.0)
+    lean: float = setting(0.5, "rad", "lean of the base from which it falls", low=0.0)
+    drop: float = setting(0.35, "-", "share of its height that a falling centre of mass has lost", low=0.0)
+    brief: float = setting(0.02, "s", "shortest time of what is an event", low=0.0)
+    push: float = setting(0.02, "sqrt(g h)", "change of velocity from which a push matters", low=0.0)
+    fades: float = setting(1.5, "s", "time after which a push or a slip explains a fall no more", low=0.0)
+    steep: float = setting(
+        0.95, "-", "tangent of the ground's tilt over mu from which nothing stands", low=0.0
+    )
+    slippery: float = setting(0.35, "-", "mu below which ground is slippery", low=0.0)
+    less_grip: float = setting(
+        0.7, "-", "share of the mu before, from which on ground is more slippery", low=0.0
+    )
+    edge: float = setting(
+        0.015, "m", "change of the ground's height that a gait on flat ground meets", low=0.0
+    )
+    depth: float = setting(0.01, "m", "depth of a loaded contact from which the world is soft", low=0.0)
+    payload: float = setting(
+        0.02, "m", "mass that is added, from which it matters, over the robot's", low=0.0
+    )
+    inner: float = setting(0.05, "m g", "force between links from which they hit each other", low=0.0)
+    carried: float = setting(
+        0.03, "-", "torque that a joint carried, over its largest, before it lost it", low=0.0
+    )
+    weaker: float = setting(0.9, "-", "share of a torque asked for, below which an actuator is weak", low=0.0)
+    saturated: float = setting(0.5, "-", "share of a time with a torque at its limit", low=0.0)
+    window: float = setting(0.1, "s", "that time", low=0.0)
+    flips: float = setting(0.6, "-", "share of rows in which a chattering torque turns", low=0.0)
+    swing: float = setting(0.1, "-", "size of that, over the largest torque", low=0.0)
+    lag: float = setting(0.008, "s", "delay of torques behind the state they answer", low=0.0)
+    lag_better: float = setting(0.6, "-", "what is left unexplained with it, over that without", low=0.0)
+    stop_time: float = setting(0.15, "s", "time for which a joint pushes against its stop", low=0.0)
+
+
+STORY_LIMITS = StoryLimits()
+"""What stories are told by."""

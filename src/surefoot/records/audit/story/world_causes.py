@@ -1,0 +1,188 @@
+"""Causes that lie in the world: pushes, payloads, ground without grip, edges, soft contact, collisions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.records.audit.story.sign import Sign
+from surefoot.records.audit.story.signals import Signals
+
+
+def changed(s: Signals, kind: str) -> Iterator[tuple[float, str, float]]:
+    """Yield when, whose and by which factor the loop changed numbers of one kind in its model."""
+    facts = s.log.facts
+    rows = (facts.get(name, ()) for name in ("change_time", "change_kind", "change_name", "change_factor"))
+    for time, what, name, factor in zip(*rows, strict=True):
+        if what == kind:
+            yield float(time), str(name), float(factor)
+
+
+def push(s: Signals) -> Iterator[Sign]:
+    """Yield outside forces of the log, and other bodies that hit the robot for a moment."""
+    speed = np.sqrt(9.81 * max(s.height, 0.05))
+    for start, end, force, where in [*_outside(s), *_hits(s)]:
+        change = float(np.linalg.norm(force[start:end].sum(axis=0))) * s.dt / s.mass
+        if change > s.limits.push * speed:
+            peak = float(np.linalg.norm(force[start:end], axis=1).max())
+            words = f"{peak:.3g} N for {(end - start) * s.dt:.2g} s change its velocity by {change:.2g} m/s"
+            yield Sign(float(s.time[start]), where, words, change / speed)
+
+
+def _outside(s: Signals) -> Iterator[tuple[int, int, FloatArray, str]]:
+    """Yield spans of outside force with first and last row, (T, 3) force [N] and the pushed link."""
+    name = next((n for n in ("wrench_applied", "push") if n in s), None)
+    if name is None:
+        return
+    force = s.numbers(name)[:, :3]
+    on = np.linalg.norm(force, axis=1) > s.limits.loaded * s.weight
+    links = s.texts("model_bodies")
+    place = s.numbers("pushed_body") if "pushed_body" in s else np.full(len(on), -1.0)
+    if "pushed_body" in s:  # weight that was put on is a payload, thrust and drag are its own
+        on &= place >= 0.0
+    for start, end in spans(on):
+        k = int(place[start])
+        yield start, end, force, links[k] if 0 <= k < len(links) else "body"
+
+
+def _hits(s: Signals) -> Iterator[tuple[int, int, FloatArray, str]]:
+    """Yield the same of what movable bodies do to the robot, for less than a time of pushes."""
+    for k in np.flatnonzero(s.on_movable & ~_carries(s)):
+        on = s.forces[:, k, 2] > s.limits.loaded * s.weight
+        for start, end in spans(on, s.rows(s.limits.window)):
+            if (end - start) * s.dt < 0.5 * s.limits.fades:
+                yield start, end, s.world_forces[:, k], s.links[k]
+
+
+def _carries(s: Signals) -> BoolArray:
+    """Return (p,) which contacts hold up the robot on something that can move: a board, not a ball thrown."""
+    share = (s.world_forces @ s.up).sum(axis=0) / max(float((s.world_forces @ s.up).sum()), 1e-9)
+    return np.asarray((share > 0.2) | (s.is_foot & (share > 0.0)))
+
+
+def payload(s: Signals) -> Iterator[Sign]:
+    """Yield mass that is added to a link, and bodies that come to lie on one."""
+    masses = np.asarray(s.log.facts.get("model_masses", np.zeros(0)), dtype=np.float64)
+    links = s.texts("model_bodies")
+    for time, name, factor in changed(s, "mass"):
+        if name in links and (factor - 1.0) * masses[links.index(name)] > s.limits.payload * s.mass:
+            more = (factor - 1.0) * masses[links.index(name)]
+            yield Sign(time, name, f"{name} is {more:.2g} kg heavier, {more / s.mass:.0%} of all", 1.0)
+    for k in np.flatnonzero(s.on_movable):
+        down = -(s.world_forces[:, k] @ s.up)
+        for start, end in spans(down > 0.0, s.rows(s.limits.window)):
+            mean = float(down[start:end].mean()) if end > start else 0.0
+            if (end - start) * s.dt >= 0.5 * s.limits.fades and mean > s.limits.payload * s.weight:
+                yield Sign(
+                    float(s.time[start]), s.links[k], f"{mean / 9.81:.2g} kg lies on {s.links[k]}", 1.0
+                )
+
+
+def slope(s: Signals) -> Iterator[Sign]:
+    """Yield ground under the first loaded feet that is steeper than its friction can hold."""
+    if not (s.loaded & s.is_foot).any():
+        return
+    row = int((s.loaded & s.is_foot).any(axis=1).argmax())
+    on = s.loaded[row] & s.is_foot & ~s.on_movable
+    if not on.any():
+        return
+    lift = np.clip(s.normals[row][on] @ s.up, 1e-6, 1.0)
+    tilt = float(np.arccos(lift.max()))  # where the least steep of them stands
+    mu = float(s.mu[row][on].max())
+    if np.tan(tilt) > s.limits.steep * mu and tilt > 0.02:
+        words = f"the ground leans by {np.degrees(tilt):.0f} deg, friction {mu:.2f} holds {_holds(mu):.0f}"
+        yield Sign(float(s.time[row]), "ground", words, float(np.tan(tilt) / max(mu, 1e-9)))
+
+
+def _holds(mu: float) -> float:
+    return float(np.degrees(np.arctan(mu)))
+
+
+def slippery(s: Signals) -> Iterator[Sign]:
+    """Yield feet that slide with their friction used up, on less of it than before or on little at all."""
+    for time, name, factor in changed(s, "friction"):
+        if factor < s.limits.less_grip:
+            yield Sign(time, name, f"the friction of {name} falls to {factor:.0%}", 1.0)
+    touched = s.texts("contact_with")
+    best = np.zeros(s.loaded.shape[1])
+    for k in np.flatnonzero(s.is_foot & s.sliding.any(axis=0)):
+        row = s.first(s.sliding[:, k], s.rows(s.limits.brief))
+        if row is None:
+            continue
+        mu, loaded = float(s.mu[row, k]), s.loaded[:row] & s.is_foot
+        before = float(np.where(loaded, s.mu[:row], 0.0).max(initial=0.0))
+        best[k] = mu
+        if mu < s.limits.slippery or mu < s.limits.less_grip * before:
+            ground = touched[k] if k < len(touched) else "the ground"
+            more = f", {before:.2f} before" if before > mu else ""
+            words = f"it slides on {ground}, whose friction is {mu:.2f}{more}"
+            yield Sign(float(s.time[row]), s.links[k], words, 1.0 - mu)
+
+
+def edge(s: Signals) -> Iterator[Sign]:
+    """Yield feet that meet ground higher or lower than the plane that they began on, or its side."""
+    on = s.loaded & s.is_foot & ~s.on_movable
+    if not on.any():
+        return
+    first = int(on.any(axis=1).argmax())
+    begin = slice(first, first + s.rows(3.0 * s.limits.window))
+    places, normals = s.positions[begin][on[begin]], s.normals[begin][on[begin]]
+    normal = normals.mean(axis=0)
+    normal = normal / max(float(np.linalg.norm(normal)), 1e-9)
+    level = float(np.median(places @ normal))
+    over, side = s.positions @ normal - level, s.normals @ normal
+    high = on & (np.abs(over) > s.limits.edge + _depth(s))
+    low = s.is_foot & ~s.on_movable & (over < -s.limits.edge - _depth(s)) & (s.gaps > 0.0)
+    wall = on & (side < 0.7)
+    for k in range(on.shape[1]):
+        where = (high | low | wall)[:, k]
+        row = s.first(where)
+        if row is not None and row > first:
+            step = 100.0 * float(over[row, k])
+            words = f"its ground is {step:+.1f} cm from the plane that it began on"
+            yield Sign(float(s.time[row]), s.links[k], words, 1.0)
+
+
+def _depth(s: Signals) -> float:
+    """Return how deep soft contact lets feet sink in the first rows [m]."""
+    begin = s.rows(0.3)
+    gaps = np.where(s.loaded[:begin], s.gaps[:begin], 0.0)
+    return float(max(-gaps.min(initial=0.0), 0.0))
+
+
+def soft(s: Signals) -> Iterator[Sign]:
+    """Yield contacts that carry the robot deep below the surface, from the start or as they land."""
+    deep = s.loaded & (s.gaps < -s.limits.depth)
+    for k in range(deep.shape[1]):
+        row = s.first(deep[:, k], s.rows(0.5 * s.limits.brief))
+        if row is not None:
+            most = -1e3 * float(s.gaps[:, k].min())
+            yield Sign(float(s.time[row]), s.links[k], f"it sinks {most:.0f} mm into the ground", most / 1e3)
+
+
+def self_collision(s: Signals) -> Iterator[Sign]:
+    """Yield links of the robot that press on each other."""
+    if "inner_force" not in s:
+        return
+    force = s.numbers("inner_force")
+    row = s.first(force > s.limits.inner * s.weight, s.rows(0.25 * s.limits.brief))
+    if row is None:
+        return
+    links = s.texts("model_bodies")
+    pair = [links[int(k)] for k in s.numbers("inner_bodies")[row] if 0 <= int(k) < len(links)]
+    words = f"{' and '.join(pair)} press on each other with up to {force[row:].max():.3g} N"
+    yield Sign(float(s.time[row]), ", ".join(pair) or "body", words, 1.0)
+
+
+def spans(on: BoolArray, join: int = 1) -> list[tuple[int, int]]:
+    """Return first and last-but-one rows of what is true in (T,), with short breaks joined."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], on.astype(np.int8), [0]])))
+    out: list[tuple[int, int]] = []
+    for start, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+        if out and start - out[-1][1] < join:
+            out[-1] = out[-1][0], end
+        else:
+            out.append((start, end))
+    return out
