@@ -203,7 +203,7 @@ def _report(
         verdict, violations, more, symptoms, coverage, intervals,
         (*setting.doubts, *setting.notes, *_changes(intervals)), len(log), float(time[0]), float(time[-1]),
         setting.names, setting.weight, reason, task, task_reason, tuple(judge_command(log, setting)),
-        setting.limits, tell_story(log, setting, symptoms, task_reason),
+        setting.limits, tell_story(log, setting, symptoms, task_reason), log,
     )  # fmt: skip
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields, is_dataclass
 from typing import Any, Literal, TypeAlias
 
 from surefoot.base.errors import SurefootError
 from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.audit.story.told import Cause, Story
+from surefoot.records.log import Log
 
 Judgement: TypeAlias = Literal["lawful", "broken", "cannot tell"]
 """Every law that could be judged holds; one at least is broken; the log does not let one know."""
@@ -167,6 +168,8 @@ class AuditReport:
         What the log was judged by; `limits.lines()` prints it.
     story
         What happened and why; `str(story)` is a paragraph.
+    log
+        What was audited, for pictures.
     """
 
     verdict: Judgement
@@ -187,6 +190,7 @@ class AuditReport:
     command: tuple[Finding, ...] = ()
     limits: AuditLimits = LIMITS
     story: Story = field(default_factory=Story)
+    log: Log | None = field(default=None, repr=False, compare=False)
 
     def __str__(self) -> str:
         return f"{self.story} {self.sentence[0].upper()}{self.sentence[1:]}."
@@ -256,7 +260,17 @@ class AuditReport:
         return [*out, f"  and {rest} more"] if rest > 0 else out
 
     def as_dict(self) -> dict[str, Any]:
-        """Return everything but the limits by name, for JSON."""
-        found = {"sentence": self.sentence, **asdict(self)}
-        del found["limits"]
+        """Return everything but the limits and the log by name, for JSON."""
+        found: dict[str, Any] = {"sentence": self.sentence}
+        for one in fields(self):
+            value = getattr(self, one.name)
+            if one.name not in ("limits", "log"):
+                found[one.name] = _plain(value)
         return found
+
+
+def _plain(value: Any) -> Any:
+    """Return dataclasses, alone or in tuples, as dictionaries."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return asdict(value)
+    return [_plain(one) for one in value] if isinstance(value, tuple) else value

@@ -112,7 +112,7 @@ def _stance(s: Signals, row: int) -> float:
 
 def wrong_mass(s: Signals) -> Iterator[Sign]:
     """Yield a body that sinks, or rises, from the start on though nothing is at its limits."""
-    if not s.loaded.any() or s.height <= 0.0:
+    if not s.loaded.any() or s.height <= 0.0 or not s.torques.shape[1]:
         return
     first = int(s.loaded.any(axis=1).argmax())
     until = min(len(s.time), first + s.rows(0.5))
@@ -125,7 +125,7 @@ def wrong_mass(s: Signals) -> Iterator[Sign]:
 
 def bias(s: Signals) -> Iterator[Sign]:
     """Yield that a standing body is driven to one side from the start, by torques that hold it there."""
-    row = left_the_feet(s)
+    row = left_the_feet(s) if s.torques.shape[1] else None
     if row is None or steps(s):
         return
     drift = (s.com[row] - s.com[0]) @ _level_axes(s).T

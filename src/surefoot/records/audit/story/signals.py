@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.numerics.phases import runs_of
 from surefoot.base.spatial import rotation_from_quaternion
 from surefoot.mechanics import frames_on
 from surefoot.records.audit.continuity import free_base
@@ -226,6 +227,4 @@ class Signals:
 
     def first(self, where: BoolArray, least: int = 1) -> int | None:
         """Return the first of so many rows in a row that are true; None if there are no such."""
-        runs = np.flatnonzero(np.diff(np.concatenate([[0], where.astype(np.int8), [0]])))
-        long = np.flatnonzero(runs[1::2] - runs[::2] >= least)
-        return int(runs[::2][long[0]]) if long.size else None
+        return next((start for start, end in runs_of(where) if end - start >= least), None)

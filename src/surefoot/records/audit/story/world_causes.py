@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.numerics.phases import runs_of
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 
@@ -177,10 +178,9 @@ def self_collision(s: Signals) -> Iterator[Sign]:
 
 
 def spans(on: BoolArray, join: int = 1) -> list[tuple[int, int]]:
-    """Return first and last-but-one rows of what is true in (T,), with short breaks joined."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], on.astype(np.int8), [0]])))
+    """Return the runs of `runs_of`, those that less than `join` rows part taken for one."""
     out: list[tuple[int, int]] = []
-    for start, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+    for start, end in runs_of(on):
         if out and start - out[-1][1] < join:
             out[-1] = out[-1][0], end
         else:

@@ -1,0 +1,186 @@
+"""The picture of why a run went wrong: the robot at its events, friction, balance and torques over time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from surefoot.app.viz.style import BAD, FORCE, GROUND, INK, MUTED, draw_columns, new_figure, save
+from surefoot.base.arrays import FloatArray
+from surefoot.base.errors import ProblemError
+from surefoot.records.audit import AuditReport
+from surefoot.records.audit.log_context import Setting, setting_of
+from surefoot.records.audit.logged_robot import LoggedRobot
+from surefoot.records.audit.story.balance_causes import capture_outside
+from surefoot.records.audit.story.signals import Signals
+
+MOST_EVENTS = 6
+"""Events that the robot is drawn at, and that are named on the time axis."""
+MOST_JOINTS = 5
+"""Joints whose torques are drawn: those of causes, then the hardest worked."""
+
+
+def draw_story(report: AuditReport, path: Path) -> Path:
+    """Draw the story of an audit into a new file.
+
+    Raises
+    ------
+    ProblemError
+        For a report that has no log.
+    MissingExtra
+        If matplotlib is not installed.
+    """
+    if report.log is None:
+        raise ProblemError("the report has no log: audit one first")
+    log = report.log
+    setting = setting_of(log, None, report.limits)
+    s = Signals(log, setting)
+    panels = _panels(s, report)
+    height = 2.6 + 1.5 * len(panels)
+    figure, grid = new_figure(
+        1 + len(panels), 1, (9.0, height),
+        gridspec_kw={"height_ratios": [2.0] + [1.3] * len(panels), "hspace": 0.25, "right": 0.8},
+    )  # fmt: skip
+    axes = grid[:, 0]
+    for axis, label in zip(axes[1:], panels, strict=True):
+        axis.set_ylabel(label)
+        if axis is not axes[1]:
+            axis.sharex(axes[1])
+        axis.tick_params(labelbottom=axis is axes[-1])
+    axes[-1].set_xlabel("time [s]" if panels else "")
+    moments = _moments(report, s)
+    _draw_robots(axes[0], s, setting, moments)
+    for axis, (curves, names, limit) in zip(axes[1:], panels.values(), strict=True):
+        draw_columns(axis, s.time, curves, names)
+        if limit is not None:
+            axis.axhline(limit, color=BAD, lw=0.8, ls=":")
+        axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=7)
+    for axis in axes[1:]:
+        for time, _, is_cause in moments:
+            axis.axvline(time, color=BAD if is_cause else MUTED, lw=1.2 if is_cause else 0.8)
+    if panels:
+        axes[-1].set_xlim(report.start, max(report.end, report.start + 1e-6))
+    figure.suptitle(_title(report), fontsize=9, color=INK, wrap=True)
+    return save(figure, path)
+
+
+def _title(report: AuditReport) -> str:
+    """Return the first two sentences of the story, broken into lines."""
+    import textwrap
+
+    return "\n".join(textwrap.wrap(str(report.story), 110)[:4])
+
+
+def _moments(report: AuditReport, s: Signals) -> list[tuple[float, str, bool]]:
+    """Return time, words and whether it is a cause of what is drawn: start, causes, failure, end."""
+    story = report.story
+    found = [(c.time, f"{c.name}\n{c.where}", True) for c in story.causes[:2]]
+    if story.failure is not None:
+        found.append((story.failure.time, story.failure.name, False))
+    shown = {(round(t, 3), words) for t, words, _ in found}
+    for event in story.events:
+        if len(found) < MOST_EVENTS - 1 and not any(abs(event.time - t) < 0.05 for t, _ in shown):
+            found.append((event.time, event.name, False))
+            shown.add((round(event.time, 3), event.name))
+    found.append((float(s.time[-1]), "end", False))
+    return sorted(found)
+
+
+def _panels(s: Signals, report: AuditReport) -> dict[str, tuple[FloatArray, list[str], float | None]]:
+    """Return label -> (T, k) curves, their names and the limit that is drawn."""
+    out: dict[str, tuple[FloatArray, list[str], float | None]] = {}
+    if s.loaded.any() and np.isfinite(s.mu).all():
+        used = np.where(s.loaded, np.minimum(s.friction_use, 1.5), np.nan)
+        busy = np.argsort(-s.forces[..., 2].sum(axis=0))[:6]
+        out["friction\nneeded / mu"] = used[:, busy], [s.names[k] for k in busy], 1.0
+    if s.floating and s.loaded.any():
+        curves = np.stack([100.0 * capture_outside(s), np.degrees(s.lean)], axis=1)
+        out["balance"] = curves, ["capture point\noutside feet [cm]", "lean [deg]"], 0.0
+    if s.torques.shape[1]:
+        most = np.abs(s.torques).max(axis=0)
+        limit = np.where(np.isfinite(s.torque_limits), s.torque_limits, np.maximum(most.max(), 1e-9))
+        share = s.torques / np.maximum(limit, 1e-9)
+        named = [k for k, name in enumerate(s.joints) if any(name in c.where for c in report.causes[:2])]
+        hard = [k for k in np.argsort(-np.abs(share).mean(axis=0)).tolist() if k not in named]
+        chosen = [*named, *hard][:MOST_JOINTS]
+        out["torque\n/ largest"] = share[:, chosen], [s.joints[k] for k in chosen], 1.0
+    return out
+
+
+def _draw_robots(axis: Any, s: Signals, setting: Setting, moments: list[tuple[float, str, bool]]) -> None:
+    """Draw the robot from its side at every moment, in a row, with its ground contacts and their forces."""
+    axis.set_axis_off()
+    axis.set_xlim(0.0, len(moments))
+    forward = _heading(s)
+    size = 2.2 * max(s.height, 0.1)
+    for place, (time, words, is_cause) in enumerate(moments):
+        row = int(np.searchsorted(s.time, time).clip(0, len(s.time) - 1))
+        centre = np.array([s.com[row] @ forward, s.com[row] @ s.up])
+
+        def at(points: FloatArray, place: int = place, centre: FloatArray = centre) -> FloatArray:
+            flat = np.stack([points @ forward, points @ s.up], axis=-1) - centre
+            return flat / size + np.array([place + 0.5, 0.0])
+
+        axis.add_patch(_ground(s, row, at))
+        if setting.robot is not None:
+            _draw_links(axis, setting.robot, s, row, at)
+        for k in np.flatnonzero(s.loaded[row]):
+            foot = s.positions[row, k]
+            ends = at(np.stack([foot, foot + s.world_forces[row, k] / s.weight * s.height]))
+            axis.annotate("", ends[1], ends[0], arrowprops={"arrowstyle": "-|>", "color": FORCE})
+        com = at(s.com[row][None])[0]
+        axis.plot(*com, "o", color=INK, ms=3)
+        colour = BAD if is_cause else INK
+        axis.text(place + 0.5, 0.62, f"{time:.2f} s", ha="center", fontsize=7, color=colour)
+        axis.text(place + 0.5, 0.78, words, ha="center", va="bottom", fontsize=7, color=colour)
+    axis.set_ylim(-0.8, 1.1)
+
+
+def _heading(s: Signals) -> FloatArray:
+    """Return the level direction (3,) in which the centre of mass goes farthest."""
+    moved = s.com - s.com[0]
+    moved = moved - np.outer(moved @ s.up, s.up)
+    far = moved[int(np.abs(moved).sum(axis=1).argmax())]
+    size = float(np.linalg.norm(far))
+    if size > 1e-6:
+        return np.asarray(far / size)
+    return np.cross(s.up, np.eye(3)[int(np.abs(s.up).argmin())])
+
+
+def _ground(s: Signals, row: int, at: Any) -> Any:
+    """Return a line for the ground under the loaded contacts of a row."""
+    from matplotlib.patches import Polygon
+
+    on = s.loaded[row] & ~s.on_movable
+    level = s.positions[row][on] if on.any() else s.positions[row]
+    if not len(level):
+        level = s.com[row][None]
+    middle = level[int((level @ s.up).argmin())]
+    normal = s.normals[row][on][0] if on.any() else s.up
+    along = _heading(s) - normal * (normal @ _heading(s))
+    along = along / max(float(np.linalg.norm(along)), 1e-9) * 0.9 * max(s.height, 0.1)
+    corners = np.stack(
+        [middle - along, middle + along, middle + along - 0.1 * s.up, middle - along - 0.1 * s.up]
+    )
+    return Polygon(at(corners), facecolor=GROUND, edgecolor=MUTED, lw=0.6)
+
+
+def _draw_links(axis: Any, robot: LoggedRobot, s: Signals, row: int, at: Any) -> None:
+    """Draw lines from joint to joint of a robot in a row of its log, and on to its feet."""
+    import pinocchio
+
+    data = robot.model.createData()
+    pinocchio.forwardKinematics(robot.model, data, s.numbers("q")[row])
+    places = np.array([data.oMi[j].translation for j in range(robot.model.njoints)])
+    ends = [places[[int(robot.model.parents[j]), j]] for j in range(2, robot.model.njoints)]
+    for k, owner in enumerate(robot.support):  # from the last joint of a leg to where it touches
+        joint = max(
+            (j for j in range(1, robot.model.njoints) if owner[robot.model.joints[j].idx_v]), default=1
+        )
+        if s.is_foot[k]:
+            ends.append(np.stack([places[joint], s.positions[row, k]]))
+    for pair in ends:
+        line = at(pair)
+        axis.plot(line[:, 0], line[:, 1], color=INK, lw=1.6, solid_capstyle="round")
