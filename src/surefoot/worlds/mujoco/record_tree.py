@@ -16,6 +16,20 @@ UNNAMED = "MuJoCo Model"
 """What MuJoCo calls a model without a name."""
 
 
+def _driven(mujoco: Any, model: Any) -> dict[int, int]:
+    """Return how many actuators drive joints of each root: a sack on its back may weigh more than a robot."""
+    out: dict[int, int] = {}
+    joint = int(mujoco.mjtTrn.mjTRN_JOINT)
+    for k in range(model.nu):
+        if int(model.actuator_trntype[k]) != joint:
+            continue
+        body = int(model.jnt_bodyid[model.actuator_trnid[k, 0]])
+        while model.body_weldid[model.body_parentid[body]] != 0:
+            body = int(model.body_parentid[body])
+        out[body] = out.get(body, 0) + 1
+    return out
+
+
 class BodyTree:
     """A robot within a MuJoCo model: a body and all below it.
 
@@ -48,7 +62,8 @@ class BodyTree:
             raise ModelError("nothing moves in this model")
         names = {b: str(model.body(b).name) or f"body {b}" for b in range(model.nbody)}
         if robot is None:
-            root = max(roots, key=lambda b: float(model.body_subtreemass[b]))
+            driven = _driven(mujoco, model)
+            root = max(roots, key=lambda b: (driven.get(int(b), 0), float(model.body_subtreemass[b])))
         elif robot in names.values():
             root = next(b for b, name in names.items() if name == robot)
         else:

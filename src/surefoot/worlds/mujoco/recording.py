@@ -220,7 +220,7 @@ def record(model: Any, data: Any, robot: str | None = None) -> Recording:
     model, data
         `mujoco.MjModel` and `mujoco.MjData` of the loop; nothing is changed in them.
     robot
-        Name of the body at the robot's root; None for the heaviest of the bodies that move.
+        Name of the body at the robot's root; None for that with the most actuators, of several the heaviest.
 
     Raises
     ------

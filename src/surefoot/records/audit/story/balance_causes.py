@@ -1,8 +1,8 @@
 """Causes that only show in how balance is lost.
 
 Feet that land too late or too far, a gait that is too slow for its speed, a controller that believes in
-another body or another posture than there is: nothing in a log names them. They are what is left where nothing
-from outside and no motor explains a fall, and are told by the first time that the capture point, com + com
+another body or another posture than there is: nothing in a log names them. They are what is left where
+nothing from outside and no motor explains a fall, and are told by the first time that the capture point, com + com
 velocity sqrt(h / g), leaves the feet (Pratt et al. 2006): from there on only a step catches the body.
 """
 
@@ -13,14 +13,15 @@ from collections.abc import Iterator
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.records.audit.story.control_causes import at_limit
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.story.world_causes import spans
 
 REACH = 0.8
 """Way of the body in a stance, over its height, from which the gait is too slow for the speed."""
-SAG = 0.08
-"""Share of its height by which a body sinks that its controller holds for lighter than it is."""
+TIPS = 1.6
+"""Times sqrt(h / g) that a body stands on two feet of four before it cannot be caught."""
 
 
 def capture_outside(s: Signals) -> FloatArray:
@@ -84,6 +85,17 @@ def placement(s: Signals) -> Iterator[Sign]:
 
 def slow(s: Signals) -> Iterator[Sign]:
     """Yield feet that stay on the ground for longer than the body takes to leave them."""
+    feet = s.is_foot & ~s.on_movable
+    owners = sorted({s.links[k] for k in np.flatnonzero(feet)})
+    down = [s.loaded[:, np.array([link == one for link in s.links]) & feet].any(axis=1) for one in owners]
+    standing = np.sum(down, axis=0) if down else np.zeros(len(s.time))
+    if len(owners) >= 3:
+        tips = TIPS * float(np.sqrt(max(s.height, 1e-3) / 9.81))
+        row = s.first((standing > 0) & (standing <= 2), s.rows(tips))
+        if row is not None and row > 0:
+            words = f"it stands on two feet for more than {tips:.2f} s, in which it tips over them"
+            yield Sign(float(s.time[row]), "body", words, 0.4)
+            return
     row = left_the_feet(s)
     if row is not None and slow_for_speed(s, row):
         words = f"at {_speed(s, row):.2f} m/s the body outruns feet that stand for {_stance(s, row):.2f} s"
@@ -110,26 +122,42 @@ def _stance(s: Signals, row: int) -> float:
     return float(np.mean(times)) if times else 0.0
 
 
+def pull_at_rest(s: Signals) -> FloatArray | None:
+    """Return the mean force (3,) that moves a body in its first moments, over its weight.
+
+    None unless it stands at rest at first, on contacts that do not give way.
+    """
+    on = s.loaded.any(axis=1)
+    if "momentum_rate" not in s or not on.any() or not s.torques.shape[1] or s.height <= 0.0:
+        return None
+    first = int(on.argmax())
+    begun = slice(first, first + s.rows(0.15))
+    at_rest = float(np.linalg.norm(s.com_velocity[first])) < 0.05 and first * s.dt < 0.02
+    firm = bool((np.where(s.loaded[begun], s.gaps[begun], 0.0) > -s.limits.depth).all())
+    return s.numbers("momentum_rate")[begun, :3].mean(axis=0) / s.weight if at_rest and firm else None
+
+
 def wrong_mass(s: Signals) -> Iterator[Sign]:
-    """Yield a body that sinks, or rises, from the start on though nothing is at its limits."""
-    if not s.loaded.any() or s.height <= 0.0 or not s.torques.shape[1]:
+    """Yield that a body at rest is pushed from the start by torques that fit another body."""
+    pull = pull_at_rest(s)
+    if pull is None:
         return
-    first = int(s.loaded.any(axis=1).argmax())
-    until = min(len(s.time), first + s.rows(0.5))
-    sag = float(s.up @ (s.com[first] - s.com[until - 1]))
-    if abs(sag) > SAG * s.height and float(s.lean[until - 1]) < 0.5 * s.limits.lean:
-        way = "sinks" if sag > 0.0 else "rises"
-        words = f"the body {way} by {100.0 * abs(sag):.1f} cm in {(until - first) * s.dt:.2g} s"
-        yield Sign(float(s.time[first]), "body", words, abs(sag) / s.height)
+    up = float(pull @ s.up)
+    level = float(np.linalg.norm(pull - up * s.up))
+    sags = up < 0.0 and level < s.limits.drives and at_limit(s)[: s.rows(0.15)].any()
+    if not sags and (abs(up) > s.limits.lifts or level > s.limits.drives):
+        words = f"at rest its feet push it by {up:+.0%} of its weight upwards and {level:.0%} sideways"
+        yield Sign(float(s.time[0]), s.base, words, abs(up) + level)
 
 
 def bias(s: Signals) -> Iterator[Sign]:
     """Yield that a standing body is driven to one side from the start, by torques that hold it there."""
-    row = left_the_feet(s) if s.torques.shape[1] else None
-    if row is None or steps(s):
+    pull = pull_at_rest(s)
+    row = left_the_feet(s)
+    if row is None or steps(s) or not s.torques.shape[1]:
+        return
+    if pull is not None and float(np.linalg.norm(pull - (pull @ s.up) * s.up)) < 0.2 * s.limits.drives:
         return
     drift = (s.com[row] - s.com[0]) @ _level_axes(s).T
-    words = (
-        f"it stands, and is driven {100.0 * float(np.linalg.norm(drift)):.0f} cm to one side until it tips"
-    )
-    yield Sign(float(s.time[0]), "body", words, 0.2)
+    words = f"it is driven {100.0 * float(np.linalg.norm(drift)):.0f} cm to one side until it tips"
+    yield Sign(float(s.time[0]), s.base, words, 0.2)

@@ -31,6 +31,8 @@ class Rule:
         Whether it is one also where the log shows no failure.
     outside
         Whether nothing that the robot does can bring it about: it is no consequence of another cause.
+    leads
+        Whether its first sign comes late: what begins as soon before it counts as its consequence.
     residual
         Whether it is told only by what it leads to: it is a cause where no other is.
     """
@@ -42,14 +44,17 @@ class Rule:
     lasts: bool = True
     alone: bool = True
     outside: bool = False
+    leads: bool = False
     residual: bool = False
 
 
 FRAMES = ("wrong frame", "reversed", "mirrored", "swapped feet", "wrong scale")
 """Symptoms of an audit that say what was done to the forces of a log."""
+EARLY = 0.3
+"""What is wrong with a log's frames is so from its start [s]."""
 WRONG_FRAME = Rule(
     "wrong contact frame",
-    lambda s: iter(()),
+    world_causes.wrong_frame,
     "the forces as logged explain the motion",
     "state the frame and the sign of every force in its name; turn it once",
     outside=True,
@@ -87,10 +92,11 @@ RULES = (
     Rule(
         "self-collision", world_causes.self_collision, "no links touch",
         "keep links apart in the targets, or leave the pair out of collision if the model is wrong",
+        leads=True,
     ),
     Rule(
         "chattering gains", control_causes.chatter, "torques do not alternate",
-        "lower the gains, or the time step; damping below the mass over the time step",
+        "lower the gains, or the time step; damping below the mass over the time step", leads=True,
     ),
     Rule(
         "delayed control", control_causes.delayed, "torques answer the state of their own row",
@@ -101,8 +107,8 @@ RULES = (
         "slower or smaller motions, or stronger motors",
     ),
     Rule(
-        "impossible command", control_causes.out_of_reach, "no joint is at its stop",
-        "ask for what is within reach",
+        "impossible command", control_causes.impossible, "the speed is possible, and no joint is at its stop",
+        "ask for what is within reach", alone=False,
     ),
     Rule(
         "foot placement", balance_causes.placement, "the capture point stays within the feet",
@@ -113,8 +119,8 @@ RULES = (
         "a shorter period for this speed", alone=False, residual=True,
     ),
     Rule(
-        "wrong mass", balance_causes.wrong_mass, "the body keeps its height",
-        "give the controller the mass and the centre of mass that there are", alone=False, residual=True,
+        "wrong mass", balance_causes.wrong_mass, "at rest the feet carry the weight and no more",
+        "give the controller the mass and the centre of mass that there are", alone=False, outside=True,
     ),
     Rule(
         "sensor bias", balance_causes.bias, "the body is not driven to one side from the start",
@@ -125,5 +131,5 @@ RULES = (
 
 def frame_sign(symptoms: tuple[Finding, ...]) -> Sign | None:
     """Return what an audit's symptoms say of forces that are not what acted; None where they do not."""
-    found = next((f for f in symptoms[:1] if f.name in FRAMES), None)
+    found = next((f for f in symptoms[:1] if f.name in FRAMES and f.start < EARLY), None)
     return None if found is None else Sign(found.start, found.contact, found.evidence, found.strength)

@@ -12,7 +12,7 @@ from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.story.world_causes import changed
 
-LAGS = 0.08
+LAGS = 0.065
 """Longest delay that is looked for [s]."""
 
 
@@ -44,24 +44,27 @@ def _less_than_asked(s: Signals, k: int, name: str) -> Sign | None:
     floor = s.limits.carried * max(float(size.max(initial=0.0)), 1e-9)
     less = (size > floor) & (given * np.sign(within) < s.limits.weaker * size)
     row = s.first(less, s.rows(s.limits.brief))
-    if row is None or less[row:].mean() < 0.5 * (size[row:] > floor).mean():
+    cut = min((time for time, _, _ in changed(s, "torque limit")), default=np.inf)
+    if row is None or s.time[row] >= cut or less[row:].mean() < 0.5 * (size[row:] > floor).mean():
         return None
     share = float(np.sum(given[row:] * within[row:]) / max(float(np.sum(within[row:] ** 2)), 1e-12))
     return Sign(float(s.time[row]), name, f"{name} gives {share:.0%} of the torque that is asked for", 1.0)
 
 
 def _gone(s: Signals, k: int, name: str, largest: float) -> Sign | None:
-    """Return where a joint that carried a torque has none any more, to the last digit, until the end."""
+    """Return where a joint that had a torque has none any more, to the last digit, until the end."""
     torque = s.torques[:, k]
     zero = np.abs(torque) <= 1e-9 * max(largest, 1e-9)
-    if not zero[-1]:
+    if not zero[-1] or zero.all():
         return None
-    row = int(len(zero) - np.argmin(zero[::-1])) if not zero.all() else 0
-    if row < 2 or (len(zero) - row) * s.dt < 2.0 * s.limits.brief:
+    row = int(len(zero) - np.argmin(zero[::-1]))
+    # who gives nothing now and then may do so on purpose
+    if (len(zero) - row) * s.dt < 2.0 * s.limits.brief or zero[:row].mean() > 1.0 - s.limits.weaker:
         return None
     carried = float(np.sqrt(np.mean(torque[:row] ** 2)))
-    if carried < s.limits.carried * largest:
-        return None
+    just_before = torque[max(row - s.rows(s.limits.brief), 0) : row]
+    if np.abs(just_before).max() < 1e-3 * carried:
+        return None  # it came to rest
     return Sign(float(s.time[row]), name, f"{name} carried {carried:.3g} N m and gives nothing any more", 1.0)
 
 
@@ -98,10 +101,11 @@ def delayed(s: Signals) -> Iterator[Sign]:
     q, v = s.joint_state
     if not q.shape[1] or len(q) < 4 * s.rows(LAGS) or q.shape != s.torques.shape:
         return
-    free = ~at_limit(s)
+    # what is asked for answers the state also while the motor is at its limit
+    free = np.ones(q.shape, dtype=bool) if "torques_commanded" in s else ~at_limit(s)
     left = np.array([_unexplained(s, q, v, free, lag) for lag in range(s.rows(LAGS) + 1)])
     best = int(left.argmin())
-    if best * s.dt >= s.limits.lag and left[best] < s.limits.lag_better * left[0]:
+    if best * s.dt >= s.limits.lag and left[best] < left[0] - s.limits.lag_better:
         words = f"torques answer the state of {1e3 * best * s.dt:.0f} ms ago"
         yield Sign(float(s.time[0]), "body", words, float(1.0 - left[best] / left[0]))
 
@@ -116,7 +120,7 @@ def _unexplained(s: Signals, q: FloatArray, v: FloatArray, free: BoolArray, lag:
         on = free[rows, k][1:]
         if on.sum() < 20:
             continue
-        change = np.diff(s.torques[rows, k])[on]
+        change = np.diff(s.asked[rows, k])[on]
         state = np.stack([np.diff(q[back, k])[on], np.diff(v[back, k])[on]], axis=1)
         rest = change - state @ np.linalg.lstsq(state, change, rcond=None)[0]
         total, missed = total + float(change @ change), missed + float(rest @ rest)
@@ -127,11 +131,11 @@ def chatter(s: Signals) -> Iterator[Sign]:
     """Yield torques that turn nearly every row, by a good part of what they can give."""
     if not s.torques.shape[1] or len(s.time) < 4:
         return
-    step = np.diff(s.torques, axis=0, prepend=s.torques[:1])
+    step = np.diff(s.asked, axis=0, prepend=s.asked[:1])
     flips = np.zeros(step.shape, dtype=bool)
     flips[1:] = step[1:] * step[:-1] < 0.0
     largest = np.maximum(_largest(s), 1e-9)
-    window = s.rows(s.limits.window)
+    window = s.rows(0.5 * s.limits.window)
     turning = sliding_mean(flips.astype(np.float64), window)
     swing = np.sqrt(sliding_mean(step**2, window)) / largest
     on = (turning > s.limits.flips) & (swing > s.limits.swing)
@@ -143,15 +147,27 @@ def chatter(s: Signals) -> Iterator[Sign]:
             yield Sign(float(s.time[row]), name, words, float(turning[:, k].mean()))
 
 
-def out_of_reach(s: Signals) -> Iterator[Sign]:
-    """Yield joints that are driven into their stops."""
+def impossible(s: Signals) -> Iterator[Sign]:
+    """Yield commanded speeds that no legs of this height follow, and joints driven into their stops."""
+    if "command" in s and s.height > 0.0:
+        speed = np.hypot(*s.numbers("command")[:, :2].T)
+        fastest = s.limits.froude * float(np.sqrt(9.81 * s.height))
+        row = s.first(speed > fastest)
+        if row is not None:
+            words = f"{speed[row]:.2f} m/s is commanded, legs of this height do {fastest:.2f} at most"
+            yield Sign(float(s.time[row]), "body", words, 1.0)
+    yield from _at_stops(s)
+
+
+def _at_stops(s: Signals) -> Iterator[Sign]:
+    """Yield joints that are driven into their stops, by more than half of what they can."""
     ranges = s.log.facts.get("model_joint_ranges")
     q, _ = s.joint_state
     if ranges is None or q.shape != s.torques.shape or not q.shape[1]:
         return
     low, high = np.asarray(ranges, dtype=np.float64).T
     slack = 0.01 * np.where(np.isfinite(high - low), high - low, 0.0)
-    least = s.limits.carried * np.maximum(_largest(s), 1e-9)
+    least = 0.5 * np.maximum(_largest(s), 1e-9)
     into = ((q > high - slack) & (s.asked > least)) | ((q < low + slack) & (s.asked < -least))
     for k, name in enumerate(s.joints):
         row = s.first(into[:, k], s.rows(s.limits.stop_time))

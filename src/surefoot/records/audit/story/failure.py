@@ -22,7 +22,7 @@ def fall(s: Signals) -> Event | None:
     lost = (s.com[0] - s.com) @ s.up
     if s.positions.shape[1] and s.loaded.any():
         # over the ground under it, which may slope or step
-        under = np.where(s.loaded, s.positions @ s.up, np.inf).min(axis=1)
+        under = np.where(s.loaded & ~s.on_movable, s.positions @ s.up, np.inf).min(axis=1, initial=np.inf)
         over = s.com @ s.up - np.where(np.isfinite(under), under, np.inf)
         lost = np.where(np.isfinite(over), s.height - over, 0.0)
     lain = touch_down_of_links(s)
@@ -48,8 +48,8 @@ def fall(s: Signals) -> Event | None:
 
 def slide(s: Signals) -> Event | None:
     """Return the first slide of feet that goes on for more than a bit."""
-    if not s.sliding.any():
-        return None
+    if not s.sliding.any() or (s.on_movable.any() and not s.torques.shape[1]):
+        return None  # what cannot move by itself slides where it is pushed
     way = np.cumsum(s.slip_speed * s.sliding * s.dt, axis=0)
     window = s.rows(0.5)
     before = np.concatenate([np.zeros((min(window, len(way)), way.shape[1])), way[:-window]])

@@ -117,6 +117,11 @@ class Signals:
         return self.texts("contact_body") or tuple(self.setting.feet[k] for k in self.setting.owner)
 
     @cached_property
+    def base(self) -> str:
+        """Name of the robot's root link, "body" where the log does not tell it."""
+        return next(iter(self.texts("model_bodies")), "body")
+
+    @cached_property
     def forces(self) -> FloatArray:
         """(T, p, 3) contact axes [N]."""
         return self.numbers("forces") if "forces" in self else np.zeros((len(self.time), 0, 3))

@@ -33,8 +33,10 @@ def tell_story(log: Log, setting: Setting, symptoms: tuple[Finding, ...], task_f
         log = log.rows(slice(len(log) - MOST_ROWS, None))
     s = Signals(log, setting)
     failed = failure(s, task_failed)
-    frame = frame_sign(symptoms)
-    if frame is not None:  # what is read off such forces says nothing
+    frame = next(WRONG_FRAME.find(s), None) or frame_sign(symptoms)
+    if frame is not None and (
+        failed is None or frame.time < failed.time
+    ):  # what is read off such forces says nothing
         cause = _cause(WRONG_FRAME, frame)
         return Story((_event(cause),), (cause,), failed)
     found = [(rule, sign) for rule in RULES for sign in rule.find(s)]
@@ -69,13 +71,13 @@ def _order(found: list[tuple[Rule, Sign]], s: Signals, failed: Event | None) -> 
 def _rank(one: tuple[Rule, Sign], s: Signals) -> tuple[float, bool]:
     """Return what orders causes: when they began, those from outside before what follows from them."""
     rule, sign = one
-    return sign.time - (s.limits.window if rule.outside else 0.0), not rule.outside
+    return sign.time - (s.limits.window if rule.outside or rule.leads else 0.0), not rule.outside
 
 
 def _may_explain(rule: Rule, sign: Sign, s: Signals, failed: Event | None) -> bool:
     """Return whether a cause began before the failure, and not so long before that it has faded."""
     if failed is None:
-        return not rule.residual and (rule.alone or not s.floating)
+        return not rule.residual and (rule.alone or not s.floating or not s.torques.shape[1])
     if sign.time > failed.time + 0.5 * s.limits.brief:
         return False
     return rule.lasts or failed.time - sign.time < s.limits.fades

@@ -32,8 +32,9 @@ class StoryLimits(Settings):
     )
     depth: float = setting(0.01, "m", "depth of a loaded contact from which the world is soft", low=0.0)
     payload: float = setting(
-        0.02, "m", "mass that is added, from which it matters, over the robot's", low=0.0
+        0.05, "m", "mass that is added, from which it matters, over the robot's", low=0.0
     )
+    lies: float = setting(0.3, "s", "time from which what touches from above lies there", low=0.0)
     inner: float = setting(0.05, "m g", "force between links from which they hit each other", low=0.0)
     carried: float = setting(
         0.03, "-", "torque that a joint carried, over its largest, before it lost it", low=0.0
@@ -41,10 +42,18 @@ class StoryLimits(Settings):
     weaker: float = setting(0.9, "-", "share of a torque asked for, below which an actuator is weak", low=0.0)
     saturated: float = setting(0.5, "-", "share of a time with a torque at its limit", low=0.0)
     window: float = setting(0.1, "s", "that time", low=0.0)
-    flips: float = setting(0.6, "-", "share of rows in which a chattering torque turns", low=0.0)
-    swing: float = setting(0.1, "-", "size of that, over the largest torque", low=0.0)
+    flips: float = setting(0.25, "-", "share of rows in which a chattering torque turns", low=0.0)
+    swing: float = setting(0.3, "-", "size of that, over the largest torque", low=0.0)
     lag: float = setting(0.008, "s", "delay of torques behind the state they answer", low=0.0)
-    lag_better: float = setting(0.6, "-", "what is left unexplained with it, over that without", low=0.0)
+    lag_better: float = setting(
+        0.05, "-", "share of the torques' changes that it explains beyond what no delay does", low=0.0
+    )
+    froude: float = setting(1.0, "sqrt(g h)", "commanded speed from which legs cannot follow", low=0.0)
+    turned: float = setting(0.3, "-", "share of the force that a log's own forces leave unexplained", low=0.0)
+    lifts: float = setting(
+        0.08, "m g", "force that lifts or drops a body at rest, of a controller for another mass", low=0.0
+    )
+    drives: float = setting(0.3, "m g", "such a force along the ground, of another centre of mass", low=0.0)
     stop_time: float = setting(0.15, "s", "time for which a joint pushes against its stop", low=0.0)
 
 

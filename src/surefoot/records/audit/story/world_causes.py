@@ -8,8 +8,11 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.numerics.phases import runs_of
+from surefoot.mechanics import frames_on
+from surefoot.records.audit.rows import sliding_mean
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
+from surefoot.records.audit.symptoms.fits import rotation_between
 
 
 def changed(s: Signals, kind: str) -> Iterator[tuple[float, str, float]]:
@@ -40,8 +43,10 @@ def _outside(s: Signals) -> Iterator[tuple[int, int, FloatArray, str]]:
     force = s.numbers(name)[:, :3]
     on = np.linalg.norm(force, axis=1) > s.limits.loaded * s.weight
     links = s.texts("model_bodies")
+    if s.log.facts.get("kind") == "recording" and "pushed_body" not in s:
+        return  # weight that was put on, thrust and drag
     place = s.numbers("pushed_body") if "pushed_body" in s else np.full(len(on), -1.0)
-    if "pushed_body" in s:  # weight that was put on is a payload, thrust and drag are its own
+    if "pushed_body" in s:
         on &= place >= 0.0
     for start, end in spans(on):
         k = int(place[start])
@@ -50,10 +55,12 @@ def _outside(s: Signals) -> Iterator[tuple[int, int, FloatArray, str]]:
 
 def _hits(s: Signals) -> Iterator[tuple[int, int, FloatArray, str]]:
     """Yield the same of what movable bodies do to the robot, for less than a time of pushes."""
+    if not s.torques.shape[1]:
+        return  # what cannot move by itself is pushed on purpose
     for k in np.flatnonzero(s.on_movable & ~_carries(s)):
         on = s.forces[:, k, 2] > s.limits.loaded * s.weight
-        for start, end in spans(on, s.rows(s.limits.window)):
-            if (end - start) * s.dt < 0.5 * s.limits.fades:
+        for start, end in spans(on, s.rows(s.limits.lies)):
+            if (end - start) * s.dt < s.limits.lies:
                 yield start, end, s.world_forces[:, k], s.links[k]
 
 
@@ -68,17 +75,17 @@ def payload(s: Signals) -> Iterator[Sign]:
     masses = np.asarray(s.log.facts.get("model_masses", np.zeros(0)), dtype=np.float64)
     links = s.texts("model_bodies")
     for time, name, factor in changed(s, "mass"):
-        if name in links and (factor - 1.0) * masses[links.index(name)] > s.limits.payload * s.mass:
+        if name in links and (factor - 1.0) * masses[links.index(name)] > 0.5 * s.limits.payload * s.mass:
             more = (factor - 1.0) * masses[links.index(name)]
             yield Sign(time, name, f"{name} is {more:.2g} kg heavier, {more / s.mass:.0%} of all", 1.0)
-    for k in np.flatnonzero(s.on_movable):
-        down = -(s.world_forces[:, k] @ s.up)
-        for start, end in spans(down > 0.0, s.rows(s.limits.window)):
-            mean = float(down[start:end].mean()) if end > start else 0.0
-            if (end - start) * s.dt >= 0.5 * s.limits.fades and mean > s.limits.payload * s.weight:
-                yield Sign(
-                    float(s.time[start]), s.links[k], f"{mean / 9.81:.2g} kg lies on {s.links[k]}", 1.0
-                )
+    for link in dict.fromkeys(s.links[k] for k in np.flatnonzero(s.on_movable)):
+        mine = s.on_movable & np.array([other == link for other in s.links])
+        above = s.normals[:, mine] @ s.up < -0.7
+        down = np.where(above, -(s.world_forces[:, mine] @ s.up), 0.0).sum(axis=1)
+        for start, end in spans(down > 0.0, s.rows(s.limits.lies)):
+            mean = float(down[start:end].mean())
+            if (end - start) * s.dt >= s.limits.lies and mean > s.limits.payload * s.weight:
+                yield Sign(float(s.time[start]), link, f"{mean / 9.81:.2g} kg lies on {link}", 1.0)
 
 
 def slope(s: Signals) -> Iterator[Sign]:
@@ -107,17 +114,18 @@ def slippery(s: Signals) -> Iterator[Sign]:
         if factor < s.limits.less_grip:
             yield Sign(time, name, f"the friction of {name} falls to {factor:.0%}", 1.0)
     touched = s.texts("contact_with")
-    best = np.zeros(s.loaded.shape[1])
-    for k in np.flatnonzero(s.is_foot & s.sliding.any(axis=0)):
-        row = s.first(s.sliding[:, k], s.rows(s.limits.brief))
-        if row is None:
-            continue
-        mu, loaded = float(s.mu[row, k]), s.loaded[:row] & s.is_foot
-        before = float(np.where(loaded, s.mu[:row], 0.0).max(initial=0.0))
-        best[k] = mu
-        if mu < s.limits.slippery or mu < s.limits.less_grip * before:
+    known = np.where(s.loaded & s.is_foot & ~s.on_movable, s.mu, 0.0).max(axis=1, initial=0.0)
+    before = np.maximum.accumulate(known)[:, None]
+    slippery_there = (s.mu < s.limits.slippery) | (s.mu < s.limits.less_grip * before)
+    window = s.rows(2.0 * s.limits.brief)
+    for k in np.flatnonzero(s.is_foot & ~s.on_movable & s.sliding.any(axis=0)):
+        there = s.sliding[:, k] & slippery_there[:, k]
+        # a contact that bounces slides now and then
+        row = s.first(there & (sliding_mean(there.astype(np.float64), window) > 0.3))
+        if row is not None:
+            mu, best = float(s.mu[row, k]), float(before[row, 0])
             ground = touched[k] if k < len(touched) else "the ground"
-            more = f", {before:.2f} before" if before > mu else ""
+            more = f", {best:.2f} before" if best > mu else ""
             words = f"it slides on {ground}, whose friction is {mu:.2f}{more}"
             yield Sign(float(s.time[row]), s.links[k], words, 1.0 - mu)
 
@@ -155,7 +163,10 @@ def _depth(s: Signals) -> float:
 
 def soft(s: Signals) -> Iterator[Sign]:
     """Yield contacts that carry the robot deep below the surface, from the start or as they land."""
-    deep = s.loaded & (s.gaps < -s.limits.depth)
+    most = s.limits.depth
+    if not s.torques.shape[1]:  # a thing without joints may be small
+        most = min(most, 0.1 * max(abs(s.height), 0.01))
+    deep = s.loaded & (s.gaps < -most)
     for k in range(deep.shape[1]):
         row = s.first(deep[:, k], s.rows(0.5 * s.limits.brief))
         if row is not None:
@@ -175,6 +186,50 @@ def self_collision(s: Signals) -> Iterator[Sign]:
     pair = [links[int(k)] for k in s.numbers("inner_bodies")[row] if 0 <= int(k) < len(links)]
     words = f"{' and '.join(pair)} press on each other with up to {force[row:].max():.3g} N"
     yield Sign(float(s.time[row]), ", ".join(pair) or "body", words, 1.0)
+
+
+def wrong_frame(s: Signals) -> Iterator[Sign]:
+    """Yield that the forces of a log are those that moved it once they are turned, or of the other sign."""
+    if "momentum_rate" not in s or not s.forces.any() or not s.mass > 0.0:
+        return
+    applied = s.numbers("wrench_applied")[:, :3] if "wrench_applied" in s else 0.0
+    needed = s.numbers("momentum_rate")[:, :3] - s.mass * s.gravity - applied
+    given = s.world_forces.sum(axis=1)
+
+    def left(forces: FloatArray) -> float:
+        """Return what (T, 3) forces leave of the needed ones, along the ground and against gravity [N²]."""
+        rest = needed - forces
+        along = rest - np.outer(rest @ s.up, s.up)
+        level = needed - np.outer(needed @ s.up, s.up)
+        scale = max(float(np.sum(level**2)), 1e-4 * float(np.sum(needed**2)), 1e-300)
+        return float(np.sum(along**2)) / scale + float(np.sum(rest**2) / max(np.sum(needed**2), 1e-300))
+
+    amiss = left(given)
+    if amiss < s.limits.turned:
+        return
+    tried = {
+        "have the other sign": -given,
+        "are in world axes": s.forces.sum(axis=1),
+        "are turned": given @ rotation_between(given, needed).T,
+        "are turned about their normals": _turned_about_normals(s, needed),
+    }
+    words, best = min(tried.items(), key=lambda item: left(item[1]))
+    if left(best) < 0.2 * amiss:
+        yield Sign(float(s.time[0]), "all", f"they explain the motion once one takes that they {words}", 1.0)
+
+
+def _turned_about_normals(s: Signals, needed: FloatArray) -> FloatArray:
+    """Return the sum (T, 3) of a log's forces turned about their contacts' normals by the best of angles."""
+    frames = frames_on(s.normals)
+    along, across = s.forces.copy(), s.forces.copy()
+    across[..., 0], across[..., 1], across[..., 2] = -s.forces[..., 1], s.forces[..., 0], 0.0
+    along[..., 2] = 0.0
+    part = [np.einsum("tpij,tpj->ti", frames, f) for f in (along, across)]
+    rest = s.world_forces.sum(axis=1) - part[0]
+    basis = np.stack([p.ravel() for p in part], axis=1)
+    cosine, sine = np.linalg.lstsq(basis, (needed - rest).ravel(), rcond=None)[0]
+    size = max(float(np.hypot(cosine, sine)), 1e-9)
+    return np.asarray(rest + (cosine * part[0] + sine * part[1]) / size)
 
 
 def spans(on: BoolArray, join: int = 1) -> list[tuple[int, int]]:
