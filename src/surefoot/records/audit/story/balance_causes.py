@@ -2,8 +2,8 @@
 
 Feet that land too late or too far, a gait that is too slow for its speed, a controller that believes in
 another body or another posture than there is: nothing in a log names them. They are what is left where
-nothing from outside and no motor explains a fall, and are told by the first time that the capture point, com + com
-velocity sqrt(h / g), leaves the feet (Pratt et al. 2006): from there on only a step catches the body.
+nothing from outside and no motor explains a fall, and are told by the first time that the capture point, com
++ com velocity sqrt(h / g), leaves the feet (Pratt et al. 2006): from there on only a step catches the body.
 """
 
 from __future__ import annotations

@@ -12,8 +12,12 @@ from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.story.world_causes import changed
 
-LAGS = 0.065
-"""Longest delay that is looked for [s]."""
+LAGS, COARSE = 0.065, 0.004
+"""Longest delay that is looked for, and in which steps at first [s]."""
+
+
+ENOUGH = 1500
+"""Rows from which a delay is told; of a longer log every so many."""
 
 
 def weak(s: Signals) -> Iterator[Sign]:
@@ -99,32 +103,44 @@ def at_limit(s: Signals) -> BoolArray:
 def delayed(s: Signals) -> Iterator[Sign]:
     """Yield that torques answer the state of some time ago: explained far better with a lag than without."""
     q, v = s.joint_state
-    if not q.shape[1] or len(q) < 4 * s.rows(LAGS) or q.shape != s.torques.shape:
+    longest = s.rows(LAGS)
+    if not q.shape[1] or len(q) < 4 * longest or q.shape != s.torques.shape:
         return
     # what is asked for answers the state also while the motor is at its limit
     free = np.ones(q.shape, dtype=bool) if "torques_commanded" in s else ~at_limit(s)
-    left = np.array([_unexplained(s, q, v, free, lag) for lag in range(s.rows(LAGS) + 1)])
-    best = int(left.argmin())
-    if best * s.dt >= s.limits.lag and left[best] < left[0] - s.limits.lag_better:
+    changes = [np.diff(signal, axis=0) for signal in (s.asked, q, v)]
+
+    def left(lag: int) -> float:
+        return _unexplained(*changes, free[1:], lag, longest)
+
+    coarse = range(0, longest + 1, max(1, s.rows(COARSE)))
+    near = min(coarse, key=left)
+    best = min(range(max(near - coarse.step + 1, 0), min(near + coarse.step, longest + 1)), key=left)
+    without = left(0)
+    if best * s.dt >= s.limits.lag and left(best) < without - s.limits.lag_better:
         words = f"torques answer the state of {1e3 * best * s.dt:.0f} ms ago"
-        yield Sign(float(s.time[0]), "body", words, float(1.0 - left[best] / left[0]))
+        yield Sign(float(s.time[0]), "body", words, 1.0 - left(best) / without)
 
 
-def _unexplained(s: Signals, q: FloatArray, v: FloatArray, free: BoolArray, lag: int) -> float:
-    """Return the share of the torques' changes that positions and velocities so many rows ago leave open."""
-    longest = s.rows(LAGS)
-    rows = slice(longest, None)
-    back = slice(longest - lag, len(q) - lag)
-    total = missed = 0.0
-    for k in range(q.shape[1]):
-        on = free[rows, k][1:]
-        if on.sum() < 20:
-            continue
-        change = np.diff(s.asked[rows, k])[on]
-        state = np.stack([np.diff(q[back, k])[on], np.diff(v[back, k])[on]], axis=1)
-        rest = change - state @ np.linalg.lstsq(state, change, rcond=None)[0]
-        total, missed = total + float(change @ change), missed + float(rest @ rest)
-    return missed / total if total > 0.0 else 1.0
+def _unexplained(
+    torque: FloatArray, q: FloatArray, v: FloatArray, free: BoolArray, lag: int, longest: int
+) -> float:
+    """Return the share of torques' changes (T, joints) that those of q and v so many rows before leave open.
+
+    Joint by joint a stiffness and a damping are fitted, by the rows that are `free` (T, joints).
+    """
+    stride = max(1, len(q) // ENOUGH)
+    now, back = slice(longest, None, stride), slice(longest - lag, len(q) - lag, stride)
+    on = free[now]
+    t, x, y = (np.where(on, part, 0.0) for part in (torque[now], q[back], v[back]))
+    total = np.sum(t * t, axis=0)
+    xx, yy, xy = np.sum(x * x, axis=0), np.sum(y * y, axis=0), np.sum(x * y, axis=0)
+    tx, ty = np.sum(t * x, axis=0), np.sum(t * y, axis=0)
+    det = xx * yy - xy * xy
+    good = (det > 1e-9 * xx * yy) & (on.sum(axis=0) >= 20)
+    explained = (tx * tx * yy - 2.0 * tx * ty * xy + ty * ty * xx) / np.where(good, det, 1.0)
+    whole = float(np.sum(total[good]))
+    return 1.0 - float(np.sum(explained[good])) / whole if whole > 0.0 else 1.0
 
 
 def chatter(s: Signals) -> Iterator[Sign]:

@@ -39,7 +39,8 @@ def tell_story(log: Log, setting: Setting, symptoms: tuple[Finding, ...], task_f
     ):  # what is read off such forces says nothing
         cause = _cause(WRONG_FRAME, frame)
         return Story((_event(cause),), (cause,), failed)
-    found = [(rule, sign) for rule in RULES for sign in rule.find(s)]
+    rules = [rule for rule in RULES if failed is not None or not rule.residual]
+    found = [(rule, sign) for rule in rules for sign in rule.find(s)]
     causes = tuple(_cause(rule, sign) for rule, sign in _order(found, s, failed))
     events = {_event(_cause(rule, sign)) for rule, sign in found}
     events |= {event for event in (fall(s), slide(s)) if event is not None}
