@@ -75,16 +75,6 @@ def steep(rng: Rng) -> Fault:
     return Fault("slope too steep", settings={"ground": ground, "sway": 0.0, "forward": 0.0})
 
 
-def slippery(rng: Rng) -> Fault:
-    """Ice everywhere under one that sways fast."""
-    settings = {
-        "ground": Ground(mu=between(rng, 0.002, 0.02)),
-        "sway": between(rng, 0.05, 0.08),
-        "period": 1.0,
-    }
-    return Fault("slippery ground", settings=settings)
-
-
 def pushed(rng: Rng) -> Fault:
     """A force on pelvis or chest, or a ball."""
     if rng.random() < 0.7:
@@ -156,7 +146,6 @@ FAULTS: Mapping[str, Draw] = {
     "delayed control": late,
     "saturated actuator": saturated,
     "slope too steep": steep,
-    "slippery ground": slippery,
     "push": pushed,
     "payload": laden,
     "wrong mass": misjudged,
