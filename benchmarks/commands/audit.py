@@ -1,4 +1,4 @@
-"""`surefoot bench audit`: seeded faults of logs, or failures of strangers' loops, and what an audit says of them."""
+"""`surefoot bench audit`: seeded faults of logs, or failures of strangers' loops, as an audit tells them."""
 
 from __future__ import annotations
 

@@ -92,8 +92,8 @@ def push(
 
 
 def thrown_ball(
-    rng: Rng, target: str, names: Sequence[str], mass: float, speed: tuple[float, float], onset: tuple[float, float],
-    where: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    rng: Rng, target: str, names: Sequence[str], mass: float, speed: tuple[float, float],
+    onset: tuple[float, float], where: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> Fault:  # fmt: skip
     """Return a ball that is thrown at a body from the side.
 
@@ -134,8 +134,8 @@ def thrown_ball(
         return False
 
     return Fault(
-        "push", (target, *names, "ball", "ball_skin"), None, {"extra": ball(mass)}, on_step=throw, begins=hits,
-        detail=f"a ball of {mass:.2g} kg at {fast:.2g} m/s, thrown at {at:.2f} s",
+        "push", (target, *names, "ball", "ball_skin"), None, {"extra": ball(mass)}, on_step=throw,
+        begins=hits, detail=f"a ball of {mass:.2g} kg at {fast:.2g} m/s, thrown at {at:.2f} s",
     )  # fmt: skip
 
 
@@ -193,8 +193,8 @@ def load(
         return False
 
     return Fault(
-        "payload", (body, *names, "sack", "sack_skin"), None, {"extra": sack(size)}, on_step=drop, begins=lies,
-        detail=f"a sack of {size:.2g} kg let go over {body} at {at:.2f} s",
+        "payload", (body, *names, "sack", "sack_skin"), None, {"extra": sack(size)}, on_step=drop,
+        begins=lies, detail=f"a sack of {size:.2g} kg let go over {body} at {at:.2f} s",
     )  # fmt: skip
 
 
@@ -267,7 +267,7 @@ def self_contact(model: Any, data: Any) -> bool:
 
 
 def wrong_frame(rng: Rng) -> Fault:
-    """Return a logger that writes forces with the other sign, or turned about the normal or the first axis."""
+    """Return a logger that writes forces with the other sign, or turned about an axis."""
     way = choice(rng, ("sign", "normal", "axes", "half"))
     angle = between(rng, 0.6, 1.5)
 

@@ -1,8 +1,8 @@
 """`pd quadruped`: four legs of three hinges, `<motor>` actuators, PD to joint targets; it stands or trots.
 
-Standing holds the feet under the hips and levels the trunk by an integral of its measured tilt. Trotting moves
-the feet of each diagonal pair on sinusoids, corrected by the trunk's measured velocity. Names are by compass: nose to
-the north, `nw` is front left.
+Standing holds the feet under the hips and levels the trunk by an integral of its measured tilt. Trotting
+moves the feet of each diagonal pair on sinusoids, corrected by the trunk's measured velocity. Names are by
+compass: nose to the north, `nw` is front left.
 """
 
 from __future__ import annotations
@@ -44,8 +44,6 @@ class QuadrupedSettings:
         Leg to the share of a period by which its touchdowns are late.
     inward
         Offset of the roll joints towards the middle by leg [rad], from `shift_from` on.
-    com
-        Where the controller thinks that the centre of mass is, in x from the trunk's middle [m].
     trunk_mass, extra
         Of the trunk [kg]; more bodies of the world, as MJCF.
     """
@@ -66,7 +64,6 @@ class QuadrupedSettings:
     late: dict[str, float] = field(default_factory=dict)
     inward: dict[str, float] = field(default_factory=dict)
     shift_from: float = 0.0
-    com: float = 0.0
     trunk_mass: float = 6.5
     extra: str = ""
 
@@ -97,9 +94,11 @@ def _leg(name: str) -> str:
     return f"""<body name='{name}_yoke' pos='{x} {side * HIP[1]} 0'>
 <joint name='{name}_roll' axis='1 0 0' range='-.9 .9' limited='true'/>
 <geom name='{name}_can' type='cylinder' size='.032 .02' euler='1.5708 0 0' mass='.35'/>
-<body name='{name}_upper' pos='0 {side * WIDE} 0'><joint name='{name}_swing' axis='0 1 0' range='-2 2.6' limited='true'/>
+<body name='{name}_upper' pos='0 {side * WIDE} 0'>
+<joint name='{name}_swing' axis='0 1 0' range='-2 2.6' limited='true'/>
 <geom name='{name}_bone' type='capsule' size='.018' fromto='0 0 0 0 0 -{LINK}' mass='.45'/>
-<body name='{name}_lower' pos='0 0 -{LINK}'><joint name='{name}_bend' axis='0 1 0' range='-2.6 -.1' limited='true'/>
+<body name='{name}_lower' pos='0 0 -{LINK}'>
+<joint name='{name}_bend' axis='0 1 0' range='-2.6 -.1' limited='true'/>
 <geom name='{name}_shin' type='capsule' size='.011' fromto='0 0 -.02 0 0 -{LINK - 0.02}' mass='.14'/>
 <geom name='toe_{name}' type='sphere' size='{TOE}' pos='0 0 -{LINK}' mass='.05'/></body></body></body>"""
 
@@ -156,7 +155,7 @@ class QuadrupedControl:
         ramp = min(time / 0.5, 1.0)
         out = []
         for k, leg in enumerate(LEGS):
-            x, y, height = s.com, 0.0, HEIGHT
+            x, y, height = 0.0, 0.0, HEIGHT
             if s.trot:
                 dx, dy, lift = self._trot(time, leg, velocity, ramp)
                 x, y, height = x + dx, y + dy, height - lift
@@ -218,6 +217,10 @@ class QuadrupedControl:
             return f"it stands crooked by {tilt:.2f} rad"
         deep = min((c.dist for c in data.contact[: data.ncon]), default=0.0)
         return f"it sank in by {-deep:.3f} m" if deep < -0.012 else ""
+
+    def facts(self) -> dict[str, Any]:
+        """See `Control`."""
+        return {}
 
     def command(self) -> Any:
         """See `Control`."""

@@ -89,7 +89,7 @@ def is_right(run: Run, name: str, where: str, when: float | None) -> bool:
 
 
 def plan(seeds: Sequence[int], lawful: int, causes: Sequence[str] = ()) -> list[tuple[str, str, int]]:
-    """Return what to run: (loop, cause, seed) with an empty loop for failures, an empty cause for controls."""
+    """Return what to run: (loop, cause, seed), without a loop for failures, without a cause for controls."""
     names = [cause.name for cause in CAUSES if not causes or cause.name in causes]
     out = [("", name, seed) for name in names for seed in seeds]
     return out + [(loop.name, "", seed) for loop in LOOPS for seed in range(lawful)]
