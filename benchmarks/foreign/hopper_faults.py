@@ -8,9 +8,11 @@ from typing import Any
 from benchmarks.foreign.fault import Draw, Fault
 from benchmarks.foreign.ground import Ground
 from benchmarks.foreign.injections import (
+    NextTouchdown,
     Rng,
     between,
     choice,
+    derated_motors,
     joint_bias,
     load,
     push,
@@ -51,14 +53,7 @@ def saturated(rng: Rng) -> Fault:
     places = (*motors, *(name for motor in motors for name in JOINTS[motor]))
     if rng.random() < 0.5:
         return Fault("saturated actuator", places, settings={key: limit}, detail=f"{key} {limit:.3g}")
-    at = between(rng, 0.8, 1.4)
-
-    def derate(model: Any, data: Any) -> None:
-        if data.time >= at:
-            for motor in motors:
-                model.actuator_forcerange[model.actuator(motor).id] = [-limit, limit]
-
-    return Fault("saturated actuator", places, at, on_step=derate, detail=f"{key} {limit:.3g} at {at:.2f} s")
+    return derated_motors(motors, places, limit, between(rng, 0.8, 1.4))
 
 
 def slippery(rng: Rng) -> Fault:
@@ -95,7 +90,7 @@ def laden(rng: Rng) -> Fault:
 
 
 def misjudged(rng: Rng) -> Fault:
-    """Draw a failure: a battery that the controller does not know of, or a push for mass that is not there."""
+    """Draw a failure: an unknown battery, or a push for mass that is not there."""
     if rng.random() < 0.6:
         mass, at = between(rng, 4.0, 8.0), choice(rng, (-1, 1)) * between(rng, 0.18, 0.3)
         battery = f"<geom name='battery' type='box' size='.04 .04 .04' pos='{at} 0 .08' mass='{mass}'/>"
@@ -121,7 +116,14 @@ def misplaced(rng: Rng) -> Fault:
     """Draw a failure: the foot is placed beside where it should be, from a time on."""
     at = between(rng, 0.7, 1.4)
     place = (choice(rng, (-1, 1)) * between(rng, 0.04, 0.14), choice(rng, (-1, 1)) * between(rng, 0.0, 0.1))
-    return Fault("foot placement", EVERY, at, {"place": place, "place_from": at}, detail=f"{place}")
+    return Fault(
+        "foot placement",
+        EVERY,
+        None,
+        {"place": place, "place_from": at},
+        begins=NextTouchdown("shoe", at),
+        detail=f"{place}",
+    )
 
 
 def slow(rng: Rng) -> Fault:

@@ -1,7 +1,7 @@
 """`pd humanoid`: two legs with box feet, a waist and two arms; it stands and sways by PD on `<motor>`s.
 
-The ankles add what the pelvis' measured lean asks for, the knees what the trunk's mass does. Swaying leads hips
-and ankles along a sinusoid from side to side, or to and fro.
+The ankles add what the pelvis' measured lean asks for, the knees what the trunk's mass does. Swaying leads
+hips and ankles along a sinusoid from side to side, or to and fro.
 """
 
 from __future__ import annotations

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from benchmarks.foreign.injections import (
     Rng,
     between,
     choice,
+    derated_motors,
     joint_bias,
     load,
     push,
@@ -68,13 +68,7 @@ def saturated(rng: Rng) -> Fault:
     limit = between(rng, 3.0, 12.0)
     if rng.random() < 0.5:
         return Fault("saturated actuator", EVERY, settings={"limit": limit}, detail=f"{limit:.2g} N m")
-    at = between(rng, 0.6, 1.2)
-
-    def derate(model: Any, data: Any) -> None:
-        if data.time >= at:
-            model.actuator_forcerange[:] = [-limit, limit]
-
-    return Fault("saturated actuator", EVERY, at, on_step=derate, detail=f"{limit:.2g} N m at {at:.2f} s")
+    return derated_motors((), EVERY, limit, between(rng, 0.6, 1.2))
 
 
 def steep(rng: Rng) -> Fault:

@@ -60,6 +60,51 @@ def weak_motors(rng: Rng, groups: Sequence[Mapping[str, Sequence[str]]], onset: 
     return Fault("weak actuator", places, at, on_step=weaken, detail=words)
 
 
+def derated_motors(motors: Sequence[str], places: Sequence[str], limit: float, at: float) -> Fault:
+    """Return motors whose limit falls at a time; it begins where one of them reaches it.
+
+    Parameters
+    ----------
+    motors
+        Which, all where there are none.
+    places
+        Names that count as right.
+    limit
+        From then on [N m, N].
+    at
+        The time [s].
+    """
+
+    def chosen(model: Any) -> list[int]:
+        return [model.actuator(name).id for name in motors] or list(range(model.nu))
+
+    def derate(model: Any, data: Any) -> None:
+        if data.time >= at:
+            model.actuator_forcerange[chosen(model)] = [-limit, limit]
+
+    def reached(model: Any, data: Any) -> bool:
+        return bool(data.time >= at and np.abs(data.actuator_force[chosen(model)]).max() > 0.999 * limit)
+
+    words = f"limit {limit:.3g} from {at:.2f} s"
+    return Fault("saturated actuator", tuple(places), on_step=derate, begins=reached, detail=words)
+
+
+class NextTouchdown:
+    """Whether a geom has touched something after it was in the air after a time."""
+
+    def __init__(self, geom: str, after: float) -> None:
+        self.geom, self.after, self.air = geom, after, False
+
+    def __call__(self, model: Any, data: Any) -> bool:
+        """Return whether it has, called once after each step."""
+        if data.time < self.after:
+            return False
+        geom = model.geom(self.geom).id
+        touches = any(geom in (c.geom1, c.geom2) for c in data.contact[: data.ncon])
+        self.air |= not touches
+        return self.air and touches
+
+
 def push(
     rng: Rng, bodies: Mapping[str, Sequence[str]], impulse: tuple[float, float], onset: tuple[float, float],
     sideways: float = 1.0,

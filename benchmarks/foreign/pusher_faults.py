@@ -13,6 +13,7 @@ from benchmarks.foreign.injections import (
     Rng,
     between,
     choice,
+    derated_motors,
     joint_bias,
     load,
     push,
@@ -52,13 +53,7 @@ def saturated(rng: Rng) -> Fault:
     if rng.random() < 0.5:
         heavy = {"box_mass": between(rng, 5.0, 8.0), "limit": between(rng, 9.0, 12.0)}
         return Fault("saturated actuator", EVERY, settings={**heavy, **ARM})
-    at, limit = between(rng, 0.6, 1.4), between(rng, 2.0, 6.0)
-
-    def derate(model: Any, data: Any) -> None:
-        if data.time >= at:
-            model.actuator_forcerange[:] = [-limit, limit]
-
-    return Fault("saturated actuator", EVERY, at, dict(ARM), on_step=derate)
+    return with_settings(derated_motors((), EVERY, between(rng, 2.0, 6.0), between(rng, 0.6, 1.4)), ARM)
 
 
 def steep(rng: Rng) -> Fault:
@@ -70,17 +65,8 @@ def steep(rng: Rng) -> Fault:
 
 def slippery(rng: Rng) -> Fault:
     """Draw a failure: the box glides on when the hand brakes."""
-    where = choice(rng, ("everywhere", "patch"))
-    fast = {"arrive": between(rng, 0.7, 1.0), **PARCEL}
-    if where == "everywhere":
-        return Fault("slippery ground", settings={"ground": Ground(mu=between(rng, 0.005, 0.03)), **fast})
-    ground = Ground(mu=0.4, ice=(between(rng, 0.42, 0.46), 1.0), ice_mu=between(rng, 0.003, 0.02))
-
-    def begins(model: Any, data: Any) -> bool:
-        pair = {model.geom("ice").id, model.geom("carton").id}
-        return any({c.geom1, c.geom2} == pair for c in data.contact[: data.ncon])
-
-    return Fault("slippery ground", (*BOX, "ice"), settings={"ground": ground, **fast}, begins=begins)
+    settings = {"ground": Ground(mu=between(rng, 0.005, 0.03)), "arrive": between(rng, 0.7, 1.0)}
+    return Fault("slippery ground", settings={**settings, **PARCEL})
 
 
 def pushed(rng: Rng) -> Fault:

@@ -39,9 +39,9 @@ class QuadrupedSettings:
     level
         Gain of the levelling [1/s].
     shift
-        Leg to the offset of its touchdowns (x, y) [m], from the time `shift_from` on [s].
+        Leg to the offset of its touchdowns (x, y) [m], from the first swing after `shift_from` on [s].
     late
-        Leg to the share of a period by which its touchdowns are late.
+        Leg to the share of a period by which its touchdowns are late; a swing begins at `shift_from`.
     inward
         Offset of the roll joints towards the middle by leg [rad], from `shift_from` on.
     trunk_mass, extra
@@ -120,13 +120,8 @@ class QuadrupedControl:
             [[HIP[0] if n[0] == "n" else -HIP[0], (1.0 if n[1] == "w" else -1.0) * HIP[1], 0.0] for n in LEGS]
         )
         self.level = np.zeros(2)
-        self.links = [
-            g
-            for g in range(model.ngeom)
-            if not str(model.geom(g).name).startswith("toe_")
-            and model.geom_bodyid[g] >= model.body("crate").id
-        ]
         self.begin = np.zeros(3)
+        self.shifted, self.swinging = set[str](), dict.fromkeys(LEGS, True)
         slope = settings.ground.slope
         self.normal = np.array([np.sin(slope), 0.0, np.cos(slope)])
 
@@ -172,15 +167,18 @@ class QuadrupedControl:
         """Return x, y of a foot under its hip, and how high it is lifted [m]."""
         s = self.settings
         phase = time / s.period + (0.0 if leg in ("nw", "se") else 0.5)
-        if time >= s.shift_from:
-            phase -= s.late.get(leg, 0.0)
+        if time >= s.shift_from:  # the swing that begins then takes longer
+            phase -= s.late.get(leg, 0.0) * min((time - s.shift_from) / (0.5 * s.period), 1.0)
         speed = s.speed * ramp
         turn = 2.0 * np.pi * phase
         x = 0.25 * speed * s.period * np.cos(turn)
         swing = max(0.0, -np.sin(turn))
         x += 0.08 * (velocity[0] - speed) * (1.0 if swing > 0.0 else 0.0)
         y = 0.12 * velocity[1]
-        if time >= s.shift_from and leg in s.shift:
+        if time >= s.shift_from and leg in s.shift and swing > 0.0 and not self.swinging[leg]:
+            self.shifted.add(leg)
+        self.swinging[leg] = swing > 0.0
+        if leg in self.shifted:
             x, y = x + s.shift[leg][0], y + s.shift[leg][1]
         return float(x), float(y), float(s.lift * swing * ramp)
 

@@ -10,9 +10,11 @@ import numpy as np
 from benchmarks.foreign.fault import Draw, Fault
 from benchmarks.foreign.ground import Ground
 from benchmarks.foreign.injections import (
+    NextTouchdown,
     Rng,
     between,
     choice,
+    derated_motors,
     joint_bias,
     load,
     push,
@@ -63,13 +65,7 @@ def saturated(rng: Rng) -> Fault:
     """Draw a failure: small motors, from the start or by a faster trot; or limits that fall at a time."""
     if rng.random() < 0.5:
         return Fault("saturated actuator", every_joint(), settings={"limit": between(rng, 1.2, 3.0)})
-    at, limit = between(rng, 0.8, 1.4), between(rng, 1.0, 2.6)
-
-    def derate(model: Any, data: Any) -> None:
-        if data.time >= at:
-            model.actuator_forcerange[:] = [-limit, limit]
-
-    return Fault("saturated actuator", every_joint(), at, on_step=derate)
+    return derated_motors((), every_joint(), between(rng, 1.0, 2.6), between(rng, 0.8, 1.4))
 
 
 def every_joint() -> tuple[str, ...]:
@@ -136,15 +132,21 @@ def edge(rng: Rng) -> Fault:
 
 def misplaced(rng: Rng) -> Fault:
     """Draw a failure: touchdowns of a leg or two at a wrong place, or late, from a time on."""
-    leg, at = choice(rng, LEGS), between(rng, 0.8, 1.4)
-    settings: dict[str, Any] = {"trot": True, "shift_from": at}
+    leg, period = choice(rng, LEGS), between(rng, 0.36, 0.44)
+    first = 0.5 if leg in ("nw", "se") else 0.0
+    at = (round(between(rng, 0.8, 1.4) / period) + first) * period  # its swing begins
+    settings: dict[str, Any] = {"trot": True, "shift_from": at - 1e-6, "period": period}
     legs = [leg] if rng.random() < 0.6 else [leg, leg[0] + ("e" if leg[1] == "w" else "w")]
+    places = tuple(n for one in legs for n in names_of(one))
     if rng.random() < 0.65:
         x, y = choice(rng, (-1, 1)) * between(rng, 0.1, 0.17), between(rng, 0.0, 0.08)
         settings["shift"] = {one: (x, -y if one[1] == "w" else y) for one in legs}
-    else:
-        settings["late"] = {one: between(rng, 0.25, 0.5) for one in legs}
-    return Fault("foot placement", tuple(n for one in legs for n in names_of(one)), at, settings)
+        begins = NextTouchdown(f"toe_{leg}", at)
+        words = f"{' and '.join(legs)} by {x:+.2f}, {y:.2f} m inwards"
+        return Fault("foot placement", places, None, settings, begins=begins, detail=words)
+    settings["late"] = {leg: between(rng, 0.25, 0.5)}
+    words = f"{leg} late by {settings['late'][leg]:.2f} of {period:.2f} s"
+    return Fault("foot placement", names_of(leg), at + 0.5 * period, settings, detail=words)
 
 
 def slow(rng: Rng) -> Fault:
