@@ -95,11 +95,11 @@ def _print(console: Console, title: str, record: dict[str, Any], rows: Sequence[
         shares = [f"{one['first']}/{one['trials']}", f"{one['second']}/{one['trials']}"]
         cells.append((one["name"], *shares, *(str(told.get(name, "")) for name in columns)))
     console.print(table(("cause", "first", "in two", *heads), cells, title))
-    shares = [
+    of_loops = [
         (one["name"], str(one["trials"]), _share(one, "first"), _share(one, "second"))
         for one in (*record["loops"], record["total"])
     ]
-    console.print(table(("loop", "failures", "first right", "among two"), shares, "by loop"))
+    console.print(table(("loop", "failures", "first right", "among two"), of_loops, "by loop"))
     console.print(f"{len(record['false'])} false causes on {record['controls']} lawful controls")
     for trial in rows:
         if (trial.cause and not trial.first) or (not trial.cause and trial.named):

@@ -39,7 +39,7 @@ class HopperSettings:
     drum_mass, believed_mass
         Of the drum, and what the controller compensates [kg].
     place, place_from
-        Offset of touchdowns (x, y) [m], from a time on [s].
+        Offset of touchdowns (x, y) [m], from the first flight that begins after a time on [s].
     on_drum
         More geoms of the drum, as MJCF.
     extra
@@ -101,7 +101,7 @@ class HopperControl:
         names = ("tip", "tilt", "stroke")
         self.q = np.array([model.joint(n).qposadr[0] for n in names])
         self.v = np.array([model.joint(n).dofadr[0] for n in names])
-        self.low = np.inf
+        self.flying, self.misplaces = True, False
 
     def start(self, data: Any) -> None:
         """Begin in the air."""
@@ -123,10 +123,13 @@ class HopperControl:
         weight = s.believed_mass * 9.81
         force = -s.spring * stroke - s.damper * extend - 20.0
         if loaded:
+            self.flying = False
             force -= s.spring * s.thrust * (1.0 if extend < 0.0 else 0.0) + (weight - 68.67)
             return np.array([s.kp * roll + s.kd * spin[0], s.kp * pitch + s.kd * spin[1], force])
         neutral = 0.5 * 0.17 * velocity + 0.05 * (velocity - want)
-        if time >= s.place_from:
+        self.misplaces |= time >= s.place_from and not self.flying
+        self.flying = True
+        if self.misplaces:
             neutral = neutral + np.array(s.place)
         tilt = -np.arcsin(np.clip(neutral[0] / LEG, -0.6, 0.6)) - pitch
         tip = np.arcsin(np.clip(neutral[1] / LEG, -0.6, 0.6)) - roll

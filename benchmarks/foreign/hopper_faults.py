@@ -106,7 +106,8 @@ def edge(rng: Rng) -> Fault:
     ground = Ground(edge=(between(rng, 0.15, 0.3), height))
 
     def begins(model: Any, data: Any) -> bool:
-        return lands_on("terrace")(model, data) or data.geom_xpos[model.geom("shoe").id][2] < 0.0
+        low = float(data.geom_xpos[model.geom("shoe").id][2]) < 0.0
+        return low or bool(lands_on("terrace")(model, data))
 
     settings = {"ground": ground, "speed": between(rng, 0.35, 0.5)}
     return Fault("terrain edge", (*FOOT, "terrace", "deck"), settings=settings, begins=begins)
@@ -115,15 +116,10 @@ def edge(rng: Rng) -> Fault:
 def misplaced(rng: Rng) -> Fault:
     """Draw a failure: the foot is placed beside where it should be, from a time on."""
     at = between(rng, 0.7, 1.4)
-    place = (choice(rng, (-1, 1)) * between(rng, 0.04, 0.14), choice(rng, (-1, 1)) * between(rng, 0.0, 0.1))
-    return Fault(
-        "foot placement",
-        EVERY,
-        None,
-        {"place": place, "place_from": at},
-        begins=NextTouchdown("shoe", at),
-        detail=f"{place}",
-    )
+    place = tuple(choice(rng, (-1, 1)) * between(rng, *size) for size in ((0.04, 0.14), (0.0, 0.1)))
+    settings = {"place": place, "place_from": at}
+    begins = NextTouchdown("shoe", at)
+    return Fault("foot placement", EVERY, None, settings, begins=begins, detail=f"{place} from {at:.2f} s")
 
 
 def slow(rng: Rng) -> Fault:

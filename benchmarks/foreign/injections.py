@@ -90,10 +90,10 @@ def derated_motors(motors: Sequence[str], places: Sequence[str], limit: float, a
 
 
 class NextTouchdown:
-    """Whether a geom has touched something after it was in the air after a time."""
+    """Whether a geom has stood, lifted and touched down again, all after a time."""
 
     def __init__(self, geom: str, after: float) -> None:
-        self.geom, self.after, self.air = geom, after, False
+        self.geom, self.after, self.stood, self.lifted = geom, after, False, False
 
     def __call__(self, model: Any, data: Any) -> bool:
         """Return whether it has, called once after each step."""
@@ -101,8 +101,9 @@ class NextTouchdown:
             return False
         geom = model.geom(self.geom).id
         touches = any(geom in (c.geom1, c.geom2) for c in data.contact[: data.ncon])
-        self.air |= not touches
-        return self.air and touches
+        self.stood |= touches
+        self.lifted |= self.stood and not touches
+        return self.lifted and touches
 
 
 def push(

@@ -1,4 +1,4 @@
-"""Loops of strangers succeed without a fault and fail with one; a seed is one run; scores count what is said."""
+"""Loops of strangers succeed without a fault and fail with one; scores count which causes are named."""
 
 from __future__ import annotations
 
