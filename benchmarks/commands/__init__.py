@@ -6,6 +6,7 @@ import typer
 
 from benchmarks.commands import (
     ablation,
+    audit,
     batch,
     contact,
     execution,
@@ -33,6 +34,6 @@ def bench() -> None:
 for _command in (
     statics.statics, walk.walk, faults.faults, contact.contact, rigid.rigid, forces.forces,
     batch.batch, plan.plan, softening.softening, execution.execution,
-    stacks.stacks, speeds.speeds, wire.wire, ablation.ablation,
+    stacks.stacks, speeds.speeds, wire.wire, ablation.ablation, audit.audit,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(_command)

@@ -78,7 +78,8 @@ def sack(mass: float, half: float = 0.06, name: str = "sack") -> str:
     """Return a box that waits far away until it is put over a robot."""
     return (
         f"<body name='{name}' pos='{FAR} {FAR / 2} {half}'><freejoint/>"
-        f"<geom name='{name}_skin' type='box' size='{half} {half} {half}' mass='{mass}' friction='1.2'/></body>"
+        f"<geom name='{name}_skin' type='box' size='{half} {half} {half}' mass='{mass}' friction='1.2'/>"
+        "</body>"
     )
 
 

@@ -16,6 +16,8 @@ from benchmarks.foreign.quadruped import rotation
 
 LEG, SHOE = 0.5, 0.03
 """Length of the leg from the hips to the shoe's centre, and radius of the shoe [m]."""
+LEGS_MASS = 0.75
+"""Of all below the drum [kg]."""
 STANCE = 0.006
 """Compression of the telescope from which the foot counts as loaded [m]."""
 
@@ -36,10 +38,8 @@ class HopperSettings:
         Of the hips [N m] and of the telescope [N].
     drum_mass, believed_mass
         Of the drum, and what the controller compensates [kg].
-    com
-        Where the controller believes the centre of mass, in x [m].
     place, place_from
-        Offset of touchdowns (x, y) [m], from a time on [s].
+        Offset of touchdowns (x, y) [m], from the first flight that begins after a time on [s].
     on_drum
         More geoms of the drum, as MJCF.
     extra
@@ -60,7 +60,6 @@ class HopperSettings:
     push_limit: float = 500.0
     drum_mass: float = 7.0
     believed_mass: float = 7.0
-    com: float = 0.0
     place: tuple[float, float] = (0.0, 0.0)
     place_from: float = 0.0
     on_drum: str = ""
@@ -73,16 +72,17 @@ def mjcf(settings: HopperSettings) -> str:
     return f"""<mujoco model='pogo'>
 <compiler angle='radian'/>
 <option timestep='{s.timestep}' cone='elliptic' impratio='10'/>
-<default><geom friction='.9' rgba='.3 .6 .4 1'/></default>
+<default><joint limited='true'/><default class='hip'><joint armature='.01' damping='.05'/></default>
+<geom friction='.9' rgba='.3 .6 .4 1'/></default>
 <worldbody><light pos='0 0 4'/>{s.ground.geoms()}{s.extra}
 <body name='drum' pos='0 0 {LEG + SHOE + 0.1}'><freejoint name='float'/>
 <geom name='barrel' type='cylinder' size='.3 .04' mass='{s.drum_mass}' pos='0 0 .03'/>{s.on_drum}
-<body name='gimbal' pos='0 0 0'><joint name='tip' axis='1 0 0' range='-1 1' limited='true' armature='.01' damping='.05'/>
+<body name='gimbal' pos='0 0 0'><joint name='tip' axis='1 0 0' range='-1 1' class='hip'/>
 <geom name='ring' type='sphere' size='.035' mass='.25'/>
-<body name='tube'><joint name='tilt' axis='0 1 0' range='-1.2 1.2' limited='true' armature='.01' damping='.05'/>
+<body name='tube'><joint name='tilt' axis='0 1 0' range='-1.2 1.2' class='hip'/>
 <geom name='sleeve' type='capsule' size='.022' fromto='0 0 -.04 0 0 -.24' mass='.3'/>
-<body name='rod' pos='0 0 -.24'><joint name='stroke' type='slide' axis='0 0 1' range='0 .22' limited='true' damping='1'
-solreflimit='.004 1'/>
+<body name='rod' pos='0 0 -.24'><joint name='stroke' type='slide' axis='0 0 1' range='0 .22'
+damping='1' solreflimit='.004 1'/>
 <geom name='shaft' type='capsule' size='.012' fromto='0 0 0 0 0 -{LEG - 0.24}' mass='.12'/>
 <geom name='shoe' type='sphere' size='{SHOE}' pos='0 0 -{LEG - 0.24}' mass='.08'/></body></body></body></body>
 </worldbody>
@@ -101,7 +101,7 @@ class HopperControl:
         names = ("tip", "tilt", "stroke")
         self.q = np.array([model.joint(n).qposadr[0] for n in names])
         self.v = np.array([model.joint(n).dofadr[0] for n in names])
-        self.low = np.inf
+        self.flying, self.misplaces = True, False
 
     def start(self, data: Any) -> None:
         """Begin in the air."""
@@ -123,11 +123,13 @@ class HopperControl:
         weight = s.believed_mass * 9.81
         force = -s.spring * stroke - s.damper * extend - 20.0
         if loaded:
+            self.flying = False
             force -= s.spring * s.thrust * (1.0 if extend < 0.0 else 0.0) + (weight - 68.67)
-            lean = s.com * weight
-            return np.array([s.kp * roll + s.kd * spin[0], s.kp * pitch + s.kd * spin[1] + lean, force])
+            return np.array([s.kp * roll + s.kd * spin[0], s.kp * pitch + s.kd * spin[1], force])
         neutral = 0.5 * 0.17 * velocity + 0.05 * (velocity - want)
-        if time >= s.place_from:
+        self.misplaces |= time >= s.place_from and not self.flying
+        self.flying = True
+        if self.misplaces:
             neutral = neutral + np.array(s.place)
         tilt = -np.arcsin(np.clip(neutral[0] / LEG, -0.6, 0.6)) - pitch
         tip = np.arcsin(np.clip(neutral[1] / LEG, -0.6, 0.6)) - roll
@@ -156,6 +158,10 @@ class HopperControl:
         if np.linalg.norm(way) < 0.5 * due:
             return f"it went {np.linalg.norm(way):.2f} m of {due:.2f}"
         return f"it ran away by {np.linalg.norm(way):.2f} m" if np.linalg.norm(way) > 2.0 * due + 0.3 else ""
+
+    def facts(self) -> dict[str, Any]:
+        """See `Control`."""
+        return {"mass_controller": self.settings.believed_mass + LEGS_MASS}
 
     def command(self) -> Any:
         """See `Control`."""

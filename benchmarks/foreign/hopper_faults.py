@@ -7,9 +7,19 @@ from typing import Any
 
 from benchmarks.foreign.fault import Draw, Fault
 from benchmarks.foreign.ground import Ground
-from benchmarks.foreign.hopper import LEG
 from benchmarks.foreign.injections import (
-    Rng, between, choice, joint_bias, load, push, thrown_ball, tilt_bias, weak_motors, wrong_frame,
+    NextTouchdown,
+    Rng,
+    between,
+    choice,
+    derated_motors,
+    joint_bias,
+    load,
+    push,
+    thrown_ball,
+    tilt_bias,
+    weak_motors,
+    wrong_frame,
 )  # fmt: skip
 
 DRUM = ("drum", "barrel", "float")
@@ -24,37 +34,30 @@ EVERY = (*JOINTS, *(name for names in JOINTS.values() for name in names))
 
 
 def weak(rng: Rng) -> Fault:
-    """A motor or both hips'."""
+    """Draw a failure: a motor or both hips'."""
     groups: list[dict[str, tuple[str, ...]]] = [{name: JOINTS[name]} for name in JOINTS]
     groups.append({name: JOINTS[name] for name in ("tip_drive", "tilt_drive")})
     return weak_motors(rng, groups, (0.8, 1.6))
 
 
 def late(rng: Rng) -> Fault:
-    """Measurements are old."""
+    """Draw a failure: measurements are old."""
     return Fault("delayed control", settings={"delay": between(rng, 0.015, 0.06)})
 
 
 def saturated(rng: Rng) -> Fault:
-    """A telescope or hips without the strength for a hop, from the start or a time on."""
+    """Draw a failure: a telescope or hips without the strength for a hop, from the start or a time on."""
     telescope = rng.random() < 0.5
     key, limit = ("push_limit", between(rng, 50, 110)) if telescope else ("limit", between(rng, 0.6, 3.0))
     motors = ("stroke_drive",) if telescope else ("tip_drive", "tilt_drive")
     places = (*motors, *(name for motor in motors for name in JOINTS[motor]))
     if rng.random() < 0.5:
         return Fault("saturated actuator", places, settings={key: limit}, detail=f"{key} {limit:.3g}")
-    at = between(rng, 0.8, 1.4)
-
-    def derate(model: Any, data: Any) -> None:
-        if data.time >= at:
-            for motor in motors:
-                model.actuator_forcerange[model.actuator(motor).id] = [-limit, limit]
-
-    return Fault("saturated actuator", places, at, on_step=derate, detail=f"{key} {limit:.3g} at {at:.2f} s")
+    return derated_motors(motors, places, limit, between(rng, 0.8, 1.4))
 
 
 def slippery(rng: Rng) -> Fault:
-    """Ice in the way, or everywhere."""
+    """Draw a failure: ice in the way, or everywhere."""
     if rng.random() < 0.4:
         return Fault("slippery ground", settings={"ground": Ground(mu=between(rng, 0.005, 0.05))})
     ground = Ground(ice=(between(rng, 0.15, 0.3), 3.0), ice_mu=between(rng, 0.003, 0.02))
@@ -75,55 +78,58 @@ def lands_on(geom: str) -> Any:
 
 
 def pushed(rng: Rng) -> Fault:
-    """A force on the drum, or a ball."""
+    """Draw a failure: a force on the drum, or a ball."""
     if rng.random() < 0.7:
         return push(rng, {"drum": DRUM}, (13.0, 26.0), (0.7, 1.7), 0.0)
     return thrown_ball(rng, "drum", DRUM, between(rng, 1.0, 2.0), (4.0, 7.0), (0.7, 1.6), (0.0, 0.0, 0.03))
 
 
 def laden(rng: Rng) -> Fault:
-    """A sack beside the drum's middle, or mass that it gains."""
+    """Draw a failure: a sack beside the drum's middle, or mass that it gains."""
     return load(rng, "drum", DRUM, (4.0, 14.0), (0.7, 1.4), (between(rng, -0.12, 0.12), 0.0, 0.14))
 
 
 def misjudged(rng: Rng) -> Fault:
-    """Something heavy on the drum of which the controller knows nothing, or torque for a mass that is not there."""
+    """Draw a failure: an unknown battery, or a push for mass that is not there."""
     if rng.random() < 0.6:
         mass, at = between(rng, 4.0, 8.0), choice(rng, (-1, 1)) * between(rng, 0.18, 0.3)
         battery = f"<geom name='battery' type='box' size='.04 .04 .04' pos='{at} 0 .08' mass='{mass}'/>"
         words = f"{mass:.2g} kg at x = {at:+.2f} m"
         return Fault("wrong mass", (*DRUM, "battery"), settings={"on_drum": battery}, detail=words)
-    com = choice(rng, (-1, 1)) * between(rng, 0.3, 0.6)
-    return Fault("wrong mass", DRUM, settings={"com": com}, detail=f"com {com:+.2f} m")
+    believed = between(rng, 24.0, 45.0)
+    return Fault("wrong mass", DRUM, settings={"believed_mass": believed}, detail=f"{believed:.3g} kg")
 
 
 def edge(rng: Rng) -> Fault:
-    """A step or a drop in the way."""
+    """Draw a failure: a step or a drop in the way."""
     height = choice(rng, (-1.0, 1.0)) * between(rng, 0.08, 0.2)
     ground = Ground(edge=(between(rng, 0.15, 0.3), height))
 
     def begins(model: Any, data: Any) -> bool:
-        return lands_on("terrace")(model, data) or data.geom_xpos[model.geom("shoe").id][2] < 0.0
+        low = float(data.geom_xpos[model.geom("shoe").id][2]) < 0.0
+        return low or bool(lands_on("terrace")(model, data))
 
     settings = {"ground": ground, "speed": between(rng, 0.35, 0.5)}
     return Fault("terrain edge", (*FOOT, "terrace", "deck"), settings=settings, begins=begins)
 
 
 def misplaced(rng: Rng) -> Fault:
-    """The foot is placed beside where it should be, from a time on."""
+    """Draw a failure: the foot is placed beside where it should be, from a time on."""
     at = between(rng, 0.7, 1.4)
-    place = (choice(rng, (-1, 1)) * between(rng, 0.04, 0.14), choice(rng, (-1, 1)) * between(rng, 0.0, 0.1))
-    return Fault("foot placement", EVERY, at, {"place": place, "place_from": at}, detail=f"{place}")
+    place = tuple(choice(rng, (-1, 1)) * between(rng, *size) for size in ((0.04, 0.14), (0.0, 0.1)))
+    settings = {"place": place, "place_from": at}
+    begins = NextTouchdown("shoe", at)
+    return Fault("foot placement", EVERY, None, settings, begins=begins, detail=f"{place} from {at:.2f} s")
 
 
 def slow(rng: Rng) -> Fault:
-    """Stances so long that the foot is left behind at the speed."""
+    """Draw a failure: stances so long that the foot is left behind at the speed."""
     settings = {"spring": between(rng, 650, 1100), "thrust": 0.05, "speed": between(rng, 0.6, 1.0)}
     return Fault("slow gait", settings=settings)
 
 
 def chattering(rng: Rng) -> Fault:
-    """Gains of the hips or the telescope that the time step does not allow."""
+    """Draw a failure: gains of the hips or the telescope that the time step does not allow."""
     if rng.random() < 0.5:
         return Fault("chattering gains", EVERY, settings={"kd": between(rng, 150, 500), "limit": 80.0})
     return Fault(
@@ -132,14 +138,14 @@ def chattering(rng: Rng) -> Fault:
 
 
 def biased(rng: Rng) -> Fault:
-    """The drum's orientation, or a hip's angle."""
+    """Draw a failure: the drum's orientation, or a hip's angle."""
     if rng.random() < 0.6:
         return tilt_bias(rng, 0, (0.12, 0.3), DRUM)
     return joint_bias(rng, {"tip": (7, JOINTS["tip_drive"]), "tilt": (8, JOINTS["tilt_drive"])}, (0.12, 0.3))
 
 
 def soft(rng: Rng) -> Fault:
-    """Ground that swallows the hops, or throws back more than they brought."""
+    """Draw a failure: ground that swallows the hops, or throws back more than they brought."""
     if rng.random() < 0.5:
         ground = Ground(solref=f"{between(rng, 0.15, 0.4)} 1", solimp="0.3 0.8 0.02")
     else:
@@ -148,8 +154,8 @@ def soft(rng: Rng) -> Fault:
 
 
 def impossible(rng: Rng) -> Fault:
-    """A speed that no placement of the foot reaches."""
-    return Fault("impossible command", settings={"speed": between(rng, 3.0, 6.0)}, detail=f"leg {LEG} m")
+    """Draw a failure: a speed that no placement of the foot reaches."""
+    return Fault("impossible command", settings={"speed": between(rng, 3.0, 6.0)})
 
 
 FAULTS: Mapping[str, Draw] = {

@@ -1,7 +1,7 @@
-"""`pd humanoid`: two legs with box feet, a waist and two arms; it stands and sways by PD on `<motor>` actuators.
+"""`pd humanoid`: two legs with box feet, a waist and two arms; it stands and sways by PD on `<motor>`s.
 
-The ankles add what the pelvis' measured lean asks for. Swaying leads hips and ankles along a sinusoid from side
-to side, or to and fro.
+The ankles add what the pelvis' measured lean asks for, the knees what the trunk's mass does. Swaying leads
+hips and ankles along a sinusoid from side to side, or to and fro.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ THIGH, SHANK, ANKLE, APART = 0.36, 0.36, 0.06, 0.10
 LEG = ("hip_roll", "hip_pitch", "knee", "ankle_pitch", "ankle_roll")
 BEND = 0.25
 """Angle of the knees of the stand [rad]."""
+ABOVE_KNEES, LIMBS = 12.0, 24.2
+"""Mass over the knees without the trunk, and of all without the trunk [kg]."""
 STRONG = {"hip_roll": 1.3, "hip_pitch": 1.0, "knee": 1.0, "ankle_pitch": 0.8, "ankle_roll": 0.8, "waist": 0.8}
 """Stiffness of a joint over `kp`; the arms have less."""
 
@@ -39,8 +41,8 @@ class HumanoidSettings:
         Gains of the balance at the ankles [N m/rad, N m s/rad].
     lean
         Lean that is commanded from one second on [rad].
-    trunk_mass, believed_com
-        Of the trunk [kg]; where the controller believes the whole's centre of mass ahead of the ankles [m].
+    trunk_mass, believed_mass
+        Of the trunk, and what the controller believes of it [kg].
     cross
         Time from which an arm is moved through the other, or a leg into the other [s], and which.
     on_chest
@@ -63,7 +65,7 @@ class HumanoidSettings:
     lean_kd: float = 25.0
     lean: float = 0.0
     trunk_mass: float = 12.0
-    believed_com: float = 0.0
+    believed_mass: float = 12.0
     cross: tuple[float, str] | None = None
     on_chest: str = ""
     extra: str = ""
@@ -129,6 +131,7 @@ class HumanoidControl:
         stand = {"hip_pitch": -BEND / 2, "knee": BEND, "ankle_pitch": -BEND / 2}
         self.rest = np.array([stand.get(n, 0.0) for n in short])
         self.pitching = np.array([-1.0 if n == "ankle_pitch" else 0.0 for n in short])
+        self.knees = np.array([1.0 if n == "knee" else 0.0 for n in short])
         self.ankle_rolls = np.array([1.0 if n == "ankle_roll" else 0.0 for n in short])
         self.rolling = self.ankle_rolls - np.array([1.0 if n == "hip_roll" else 0.0 for n in short])
         side = s.cross[1] if s.cross is not None else ""
@@ -162,7 +165,8 @@ class HumanoidControl:
         if s.cross is not None and time > s.cross[0]:
             goal = goal + min((time - s.cross[0]) / 0.25, 1.0) * self.crossing
         torque = self.kp * (goal - q[self.q]) - self.kd * v[self.v]
-        torque -= self.pitching * (s.lean_kp * (pitch - lean) + s.lean_kd * spin[1] - 19.0 * s.believed_com)
+        torque -= self.pitching * (s.lean_kp * (pitch - lean) + s.lean_kd * spin[1])
+        torque += self.knees * 0.5 * 9.81 * (s.believed_mass + ABOVE_KNEES) * THIGH * np.sin(BEND / 2)
         torque += self.ankle_rolls * 0.6 * (s.lean_kp * roll + s.lean_kd * spin[0])
         return torque
 
@@ -187,6 +191,10 @@ class HumanoidControl:
         deep = min((c.dist for c in data.contact[: data.ncon]), default=0.0)
         return f"it sank in by {-deep:.3f} m" if deep < -0.012 else ""
 
+    def facts(self) -> dict[str, Any]:
+        """See `Control`."""
+        return {"mass_controller": self.settings.believed_mass + LIMBS}
+
     def command(self) -> Any:
         """See `Control`."""
         return 0.0, 0.0, 0.0
@@ -196,11 +204,13 @@ def vary(rng: np.random.Generator) -> HumanoidSettings:
     """Draw a lawful run."""
     to_and_fro = rng.random() < 0.3
     size = float(rng.uniform(0.02, 0.05))
+    mass = float(rng.uniform(11, 13))
     return HumanoidSettings(
         sway=0.0 if to_and_fro else size,
         forward=0.6 * size if to_and_fro else 0.0,
         period=float(rng.uniform(1.4, 2.0)),
         kp=float(rng.uniform(430, 480)),
-        trunk_mass=float(rng.uniform(11, 13)),
+        trunk_mass=mass,
+        believed_mass=mass,
         ground=Ground(mu=float(rng.uniform(0.7, 0.9))),
     )

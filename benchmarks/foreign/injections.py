@@ -60,6 +60,52 @@ def weak_motors(rng: Rng, groups: Sequence[Mapping[str, Sequence[str]]], onset: 
     return Fault("weak actuator", places, at, on_step=weaken, detail=words)
 
 
+def derated_motors(motors: Sequence[str], places: Sequence[str], limit: float, at: float) -> Fault:
+    """Return motors whose limit falls at a time; it begins where one of them reaches it.
+
+    Parameters
+    ----------
+    motors
+        Which, all where there are none.
+    places
+        Names that count as right.
+    limit
+        From then on [N m, N].
+    at
+        The time [s].
+    """
+
+    def chosen(model: Any) -> list[int]:
+        return [model.actuator(name).id for name in motors] or list(range(model.nu))
+
+    def derate(model: Any, data: Any) -> None:
+        if data.time >= at:
+            model.actuator_forcerange[chosen(model)] = [-limit, limit]
+
+    def reached(model: Any, data: Any) -> bool:
+        return bool(data.time >= at and np.abs(data.actuator_force[chosen(model)]).max() > 0.999 * limit)
+
+    words = f"limit {limit:.3g} from {at:.2f} s"
+    return Fault("saturated actuator", tuple(places), on_step=derate, begins=reached, detail=words)
+
+
+class NextTouchdown:
+    """Whether a geom has stood, lifted and touched down again, all after a time."""
+
+    def __init__(self, geom: str, after: float) -> None:
+        self.geom, self.after, self.stood, self.lifted = geom, after, False, False
+
+    def __call__(self, model: Any, data: Any) -> bool:
+        """Return whether it has, called once after each step."""
+        if data.time < self.after:
+            return False
+        geom = model.geom(self.geom).id
+        touches = any(geom in (c.geom1, c.geom2) for c in data.contact[: data.ncon])
+        self.stood |= touches
+        self.lifted |= self.stood and not touches
+        return self.lifted and touches
+
+
 def push(
     rng: Rng, bodies: Mapping[str, Sequence[str]], impulse: tuple[float, float], onset: tuple[float, float],
     sideways: float = 1.0,
@@ -92,8 +138,8 @@ def push(
 
 
 def thrown_ball(
-    rng: Rng, target: str, names: Sequence[str], mass: float, speed: tuple[float, float], onset: tuple[float, float],
-    where: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    rng: Rng, target: str, names: Sequence[str], mass: float, speed: tuple[float, float],
+    onset: tuple[float, float], where: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> Fault:  # fmt: skip
     """Return a ball that is thrown at a body from the side.
 
@@ -134,8 +180,8 @@ def thrown_ball(
         return False
 
     return Fault(
-        "push", (target, *names, "ball", "ball_skin"), None, {"extra": ball(mass)}, on_step=throw, begins=hits,
-        detail=f"a ball of {mass:.2g} kg at {fast:.2g} m/s, thrown at {at:.2f} s",
+        "push", (target, *names, "ball", "ball_skin"), None, {"extra": ball(mass)}, on_step=throw,
+        begins=hits, detail=f"a ball of {mass:.2g} kg at {fast:.2g} m/s, thrown at {at:.2f} s",
     )  # fmt: skip
 
 
@@ -193,8 +239,8 @@ def load(
         return False
 
     return Fault(
-        "payload", (body, *names, "sack", "sack_skin"), None, {"extra": sack(size)}, on_step=drop, begins=lies,
-        detail=f"a sack of {size:.2g} kg let go over {body} at {at:.2f} s",
+        "payload", (body, *names, "sack", "sack_skin"), None, {"extra": sack(size)}, on_step=drop,
+        begins=lies, detail=f"a sack of {size:.2g} kg let go over {body} at {at:.2f} s",
     )  # fmt: skip
 
 
@@ -267,7 +313,7 @@ def self_contact(model: Any, data: Any) -> bool:
 
 
 def wrong_frame(rng: Rng) -> Fault:
-    """Return a logger that writes forces with the other sign, or turned about the normal or the first axis."""
+    """Return a logger that writes forces with the other sign, or turned about an axis."""
     way = choice(rng, ("sign", "normal", "axes", "half"))
     angle = between(rng, 0.6, 1.5)
 

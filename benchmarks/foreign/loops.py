@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 from benchmarks.foreign import (
-    hopper, hopper_faults, humanoid, humanoid_faults, pusher, pusher_faults, quadruped, quadruped_faults,
+    hopper,
+    hopper_faults,
+    humanoid,
+    humanoid_faults,
+    pusher,
+    pusher_faults,
+    quadruped,
+    quadruped_faults,
 )  # fmt: skip
 from benchmarks.foreign.fault import Run
 from benchmarks.foreign.simulation import Loop

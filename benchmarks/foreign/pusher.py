@@ -1,8 +1,8 @@
 """`arm pushing a box`: a bolted arm of four `<position>` actuators pushes a free box along a table to a goal.
 
 The hand is led by inverse kinematics along a line, corrected sideways by the measured place of the box. What
-gravity takes of the joint targets is added to them, from the masses that the controller believes. `record` is given
-the arm or the box as its robot.
+gravity takes of the joint targets is added to them, from the masses that the controller believes. `record` is
+given the arm or the box as its robot.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ HAND, HALF = 0.10, 0.055
 """Length of the hand, which hangs down, and half a side of the box [m]."""
 START, REACH = 0.36, 0.72
 """Where the box is at first, and how far the wrist comes [m]."""
+LINKS_MASS, STRAIGHT = 3.6, 0.06
+"""Of the arm without what the hand holds [kg], and the elbow's angle at its stop [rad]."""
 NEAR = 0.035
 """The box is at its goal within this [m]."""
 JOINTS = ("pan", "lift", "fold", "drop")
@@ -81,18 +83,19 @@ def mjcf(settings: PusherSettings) -> str:
 <option timestep='{s.timestep}' cone='elliptic' impratio='10' integrator='implicitfast'/>
 <default><joint armature='.02' damping='.4'/><geom friction='.5' rgba='.6 .35 .55 1'/></default>
 <worldbody><light pos='0 0 4'/>{s.ground.geoms()}{s.extra}
-<geom name='pillar' type='cylinder' size='.05 {POST / 2 - 0.03}' pos='0 0 {POST / 2 - 0.03}' rgba='.3 .3 .3 1'/>
+<geom name='pillar' type='cylinder' size='.05 {POST / 2 - 0.03}' pos='0 0 {POST / 2 - 0.03}'/>
 <body name='post' pos='0 0 {POST}'><joint name='pan' axis='0 0 1'/>
 <geom name='turret' type='cylinder' size='.045 .03' mass='1.5'/>
 <body name='boom'><joint name='lift' axis='0 1 0'/>
 <geom name='beam' type='capsule' size='.025' fromto='.06 0 0 {UPPER - 0.03} 0 0' mass='1.2'/>
-<body name='forearm' pos='{UPPER} 0 0'><joint name='fold' axis='0 1 0'/>
+<body name='forearm' pos='{UPPER} 0 0'><joint name='fold' axis='0 1 0' range='{STRAIGHT} 2.9' limited='true'/>
 <geom name='rod' type='capsule' size='.02' fromto='.02 0 0 {FORE - 0.02} 0 0' mass='.8'/>
 <body name='hand' pos='{FORE} 0 0'><joint name='drop' axis='0 1 0'/>
 <geom name='stem' type='capsule' size='.01' fromto='0 0 0 0 0 -{HAND - 0.03}' mass='{s.tool}'/>
 <geom name='pad' type='box' size='.02 .05 .03' pos='0 0 -{HAND}' mass='.1' friction='.6' condim='4'/>
 </body></body></body></body>
-<body name='parcel' pos='{box[0]} {box[1]} {box[2]}' euler='0 {s.ground.slope} 0'><freejoint name='parcel_free'/>
+<body name='parcel' pos='{box[0]} {box[1]} {box[2]}' euler='0 {s.ground.slope} 0'>
+<freejoint name='parcel_free'/>
 <geom name='carton' type='box' size='{HALF} {HALF} {HALF}' mass='{s.box_mass}' rgba='.7 .6 .3 1'/></body>
 </worldbody><actuator>{servos}</actuator></mujoco>"""
 
@@ -128,10 +131,11 @@ class PusherControl:
         """Return the joints' angles (4,) at which the pad is there and the hand hangs down [rad]."""
         out, up = float(np.hypot(x, y)), z + HAND - POST
         reach = float(np.clip(np.hypot(out, up), 0.08, UPPER + FORE - 1e-3))
+        beyond = float(np.hypot(out, up)) - reach  # out of reach the angles go on as they came
         inner = np.arccos(np.clip((reach**2 + UPPER**2 - FORE**2) / (2 * reach * UPPER), -1, 1))
         outer = np.arccos(np.clip((UPPER**2 + FORE**2 - reach**2) / (2 * UPPER * FORE), -1, 1))
         lift = -np.arctan2(up, out) - inner
-        fold = np.pi - outer
+        fold = np.pi - outer - 3.0 * max(beyond, 0.0)
         return np.array([np.arctan2(y, x), lift, fold, -lift - fold])
 
     def step(self, time: float, q: Any, v: Any) -> Any:
@@ -164,6 +168,11 @@ class PusherControl:
         if abs(x - s.goal) > NEAR or abs(y - s.side) > NEAR:
             return f"the box is at x = {x:.3f} m of {s.goal:.3f}, y = {y:.3f} m"
         return f"the box has sunk in by {HALF - z:.3f} m" if z < HALF - 0.008 and not s.ground.slope else ""
+
+    def facts(self) -> dict[str, Any]:
+        """See `Control`."""
+        arm = self.settings.watched == "post"
+        return {"mass_controller": self.settings.believed_tool + LINKS_MASS} if arm else {}
 
     def command(self) -> Any:
         """See `Control`."""

@@ -10,7 +10,16 @@ import numpy as np
 from benchmarks.foreign.fault import Draw, Fault
 from benchmarks.foreign.ground import Ground
 from benchmarks.foreign.injections import (
-    Rng, between, choice, joint_bias, load, push, self_contact, weak_motors, wrong_frame,
+    Rng,
+    between,
+    choice,
+    derated_motors,
+    joint_bias,
+    load,
+    push,
+    self_contact,
+    weak_motors,
+    wrong_frame,
 )  # fmt: skip
 from benchmarks.foreign.pusher import HALF
 
@@ -28,7 +37,7 @@ ARM, PARCEL = {"watched": "post"}, {"watched": "parcel"}
 
 
 def weak(rng: Rng) -> Fault:
-    """A servo that gives way, or two."""
+    """Draw a failure: a servo that gives way, or two."""
     groups: list[dict[str, tuple[str, ...]]] = [{f"servo_{n}": (n, *LINKS[n])} for n in ("lift", "fold")]
     groups.append({f"servo_{n}": (n, *LINKS[n]) for n in ("lift", "fold")})
     return with_settings(weak_motors(rng, groups, (0.6, 1.4)), ARM)
@@ -40,43 +49,28 @@ def with_settings(fault: Fault, settings: Mapping[str, Any]) -> Fault:
 
 
 def saturated(rng: Rng) -> Fault:
-    """Servos too weak for a heavy box, or for the arm."""
+    """Draw a failure: servos too weak for a heavy box, or for the arm."""
     if rng.random() < 0.5:
         heavy = {"box_mass": between(rng, 5.0, 8.0), "limit": between(rng, 9.0, 12.0)}
         return Fault("saturated actuator", EVERY, settings={**heavy, **ARM})
-    at, limit = between(rng, 0.6, 1.4), between(rng, 2.0, 6.0)
-
-    def derate(model: Any, data: Any) -> None:
-        if data.time >= at:
-            model.actuator_forcerange[:] = [-limit, limit]
-
-    return Fault("saturated actuator", EVERY, at, dict(ARM), on_step=derate)
+    return with_settings(derated_motors((), EVERY, between(rng, 2.0, 6.0), between(rng, 0.6, 1.4)), ARM)
 
 
 def steep(rng: Rng) -> Fault:
-    """A table on which the box does not stay."""
+    """Draw a failure: a table on which the box does not stay."""
     mu = between(rng, 0.15, 0.35)
     slope = np.arctan(mu) + between(rng, 0.04, 0.12)
     return Fault("slope too steep", settings={"ground": Ground(mu=mu, slope=float(slope)), **PARCEL})
 
 
 def slippery(rng: Rng) -> Fault:
-    """The box glides on when the hand brakes."""
-    where = choice(rng, ("everywhere", "patch"))
-    fast = {"arrive": between(rng, 0.7, 1.0), **PARCEL}
-    if where == "everywhere":
-        return Fault("slippery ground", settings={"ground": Ground(mu=between(rng, 0.005, 0.03)), **fast})
-    ground = Ground(mu=0.4, ice=(between(rng, 0.42, 0.46), 1.0), ice_mu=between(rng, 0.003, 0.02))
-
-    def begins(model: Any, data: Any) -> bool:
-        pair = {model.geom("ice").id, model.geom("carton").id}
-        return any({c.geom1, c.geom2} == pair for c in data.contact[: data.ncon])
-
-    return Fault("slippery ground", (*BOX, "ice"), settings={"ground": ground, **fast}, begins=begins)
+    """Draw a failure: the box glides on when the hand brakes."""
+    settings = {"ground": Ground(mu=between(rng, 0.005, 0.03)), "arrive": between(rng, 0.7, 1.0)}
+    return Fault("slippery ground", settings={**settings, **PARCEL})
 
 
 def pushed(rng: Rng) -> Fault:
-    """Somebody knocks against the box or the forearm."""
+    """Draw a failure: somebody knocks against the box or the forearm."""
     if rng.random() < 0.7:
         return with_settings(push(rng, {"parcel": BOX}, (1.0, 3.0), (0.6, 1.6), 0.6), PARCEL)
     names = {"forearm": ("fold", "rod", "servo_fold"), "hand": ("stem", "pad", "drop", "servo_drop")}
@@ -84,7 +78,7 @@ def pushed(rng: Rng) -> Fault:
 
 
 def laden(rng: Rng) -> Fault:
-    """Something heavy on the box, or on the forearm."""
+    """Draw a failure: something heavy on the box, or on the forearm."""
     if rng.random() < 0.5:
         fault = load(rng, "parcel", BOX, (25.0, 50.0), (0.5, 1.2), (0.0, 0.0, HALF + 0.08))
         return with_settings(fault, {**PARCEL, "limit": 25.0})
@@ -93,7 +87,7 @@ def laden(rng: Rng) -> Fault:
 
 
 def misjudged(rng: Rng) -> Fault:
-    """The hand holds another mass than is compensated."""
+    """Draw a failure: the hand holds another mass than is compensated."""
     if rng.random() < 0.5:
         return Fault(
             "wrong mass", EVERY, settings={"tool": between(rng, 2.5, 5.0), **ARM, "kp": 180.0, "kv": 14.0}
@@ -102,14 +96,14 @@ def misjudged(rng: Rng) -> Fault:
 
 
 def chattering(rng: Rng) -> Fault:
-    """A servo so stiff, and so little damped, that it rings."""
+    """Draw a failure: a servo so stiff, and so little damped, that it rings."""
     return Fault(
         "chattering gains", EVERY, settings={"kp": between(rng, 2e4, 2e5), "kv": 0.0, "limit": 200.0, **ARM}
     )
 
 
 def biased(rng: Rng) -> Fault:
-    """A joint of the arm tells wrong angles: the gravity compensation, and the home that targets start from."""
+    """Draw a failure: a joint whose zero is elsewhere, so that its servo leads it there."""
     order = ("pan", "lift", "fold")
     name = choice(rng, order)
     size = choice(rng, (-1.0, 1.0)) * between(rng, 0.12, 0.3)
@@ -125,7 +119,7 @@ def biased(rng: Rng) -> Fault:
 
 
 def soft(rng: Rng) -> Fault:
-    """A table that gives way under the box, or throws it."""
+    """Draw a failure: a table that gives way under the box, or throws it."""
     if rng.random() < 0.6:
         ground = Ground(mu=0.4, solref=f"{between(rng, 0.15, 0.4)} 1", solimp="0.3 0.8 0.02")
     else:
@@ -140,13 +134,13 @@ def hits_itself(model: Any, data: Any) -> bool:
 
 
 def jammed(rng: Rng) -> Fault:
-    """The hand is drawn into the post."""
+    """Draw a failure: the hand is drawn into the post."""
     at = between(rng, 0.6, 1.3)
     return Fault("self-collision", (*EVERY, "pillar"), None, {"fold_in": at, **ARM}, begins=hits_itself)
 
 
 def impossible(rng: Rng) -> Fault:
-    """A goal beyond the arm's reach."""
+    """Draw a failure: a goal beyond the arm's reach."""
     return Fault("impossible command", settings={"goal": between(rng, 0.85, 1.1), **ARM})
 
 

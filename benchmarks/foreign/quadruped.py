@@ -1,8 +1,8 @@
 """`pd quadruped`: four legs of three hinges, `<motor>` actuators, PD to joint targets; it stands or trots.
 
-Standing holds the feet under the hips and levels the trunk by an integral of its measured tilt. Trotting moves
-the feet of each diagonal pair on sinusoids, corrected by the trunk's measured velocity. Names are by compass: nose to
-the north, `nw` is front left.
+Standing holds the feet under the hips and levels the trunk by an integral of its measured tilt. Trotting
+moves the feet of each diagonal pair on sinusoids, corrected by the trunk's measured velocity. Names are by
+compass: nose to the north, `nw` is front left.
 """
 
 from __future__ import annotations
@@ -39,13 +39,11 @@ class QuadrupedSettings:
     level
         Gain of the levelling [1/s].
     shift
-        Leg to the offset of its touchdowns (x, y) [m], from the time `shift_from` on [s].
+        Leg to the offset of its touchdowns (x, y) [m], from the first swing after `shift_from` on [s].
     late
-        Leg to the share of a period by which its touchdowns are late.
+        Leg to the share of a period by which its touchdowns are late; a swing begins at `shift_from`.
     inward
         Offset of the roll joints towards the middle by leg [rad], from `shift_from` on.
-    com
-        Where the controller thinks that the centre of mass is, in x from the trunk's middle [m].
     trunk_mass, extra
         Of the trunk [kg]; more bodies of the world, as MJCF.
     """
@@ -66,7 +64,6 @@ class QuadrupedSettings:
     late: dict[str, float] = field(default_factory=dict)
     inward: dict[str, float] = field(default_factory=dict)
     shift_from: float = 0.0
-    com: float = 0.0
     trunk_mass: float = 6.5
     extra: str = ""
 
@@ -97,9 +94,11 @@ def _leg(name: str) -> str:
     return f"""<body name='{name}_yoke' pos='{x} {side * HIP[1]} 0'>
 <joint name='{name}_roll' axis='1 0 0' range='-.9 .9' limited='true'/>
 <geom name='{name}_can' type='cylinder' size='.032 .02' euler='1.5708 0 0' mass='.35'/>
-<body name='{name}_upper' pos='0 {side * WIDE} 0'><joint name='{name}_swing' axis='0 1 0' range='-2 2.6' limited='true'/>
+<body name='{name}_upper' pos='0 {side * WIDE} 0'>
+<joint name='{name}_swing' axis='0 1 0' range='-2 2.6' limited='true'/>
 <geom name='{name}_bone' type='capsule' size='.018' fromto='0 0 0 0 0 -{LINK}' mass='.45'/>
-<body name='{name}_lower' pos='0 0 -{LINK}'><joint name='{name}_bend' axis='0 1 0' range='-2.6 -.1' limited='true'/>
+<body name='{name}_lower' pos='0 0 -{LINK}'>
+<joint name='{name}_bend' axis='0 1 0' range='-2.6 -.1' limited='true'/>
 <geom name='{name}_shin' type='capsule' size='.011' fromto='0 0 -.02 0 0 -{LINK - 0.02}' mass='.14'/>
 <geom name='toe_{name}' type='sphere' size='{TOE}' pos='0 0 -{LINK}' mass='.05'/></body></body></body>"""
 
@@ -121,13 +120,8 @@ class QuadrupedControl:
             [[HIP[0] if n[0] == "n" else -HIP[0], (1.0 if n[1] == "w" else -1.0) * HIP[1], 0.0] for n in LEGS]
         )
         self.level = np.zeros(2)
-        self.links = [
-            g
-            for g in range(model.ngeom)
-            if not str(model.geom(g).name).startswith("toe_")
-            and model.geom_bodyid[g] >= model.body("crate").id
-        ]
         self.begin = np.zeros(3)
+        self.shifted, self.swinging = set[str](), dict.fromkeys(LEGS, True)
         slope = settings.ground.slope
         self.normal = np.array([np.sin(slope), 0.0, np.cos(slope)])
 
@@ -156,7 +150,7 @@ class QuadrupedControl:
         ramp = min(time / 0.5, 1.0)
         out = []
         for k, leg in enumerate(LEGS):
-            x, y, height = s.com, 0.0, HEIGHT
+            x, y, height = 0.0, 0.0, HEIGHT
             if s.trot:
                 dx, dy, lift = self._trot(time, leg, velocity, ramp)
                 x, y, height = x + dx, y + dy, height - lift
@@ -173,15 +167,18 @@ class QuadrupedControl:
         """Return x, y of a foot under its hip, and how high it is lifted [m]."""
         s = self.settings
         phase = time / s.period + (0.0 if leg in ("nw", "se") else 0.5)
-        if time >= s.shift_from:
-            phase -= s.late.get(leg, 0.0)
+        if time >= s.shift_from:  # the swing that begins then takes longer
+            phase -= s.late.get(leg, 0.0) * min((time - s.shift_from) / (0.5 * s.period), 1.0)
         speed = s.speed * ramp
         turn = 2.0 * np.pi * phase
         x = 0.25 * speed * s.period * np.cos(turn)
         swing = max(0.0, -np.sin(turn))
         x += 0.08 * (velocity[0] - speed) * (1.0 if swing > 0.0 else 0.0)
         y = 0.12 * velocity[1]
-        if time >= s.shift_from and leg in s.shift:
+        if time >= s.shift_from and leg in s.shift and swing > 0.0 and not self.swinging[leg]:
+            self.shifted.add(leg)
+        self.swinging[leg] = swing > 0.0
+        if leg in self.shifted:
             x, y = x + s.shift[leg][0], y + s.shift[leg][1]
         return float(x), float(y), float(s.lift * swing * ramp)
 
@@ -218,6 +215,10 @@ class QuadrupedControl:
             return f"it stands crooked by {tilt:.2f} rad"
         deep = min((c.dist for c in data.contact[: data.ncon]), default=0.0)
         return f"it sank in by {-deep:.3f} m" if deep < -0.012 else ""
+
+    def facts(self) -> dict[str, Any]:
+        """See `Control`."""
+        return {}
 
     def command(self) -> Any:
         """See `Control`."""

@@ -10,7 +10,19 @@ import numpy as np
 from benchmarks.foreign.fault import Draw, Fault
 from benchmarks.foreign.ground import Ground
 from benchmarks.foreign.injections import (
-    Rng, between, choice, joint_bias, load, push, self_contact, thrown_ball, tilt_bias, weak_motors, wrong_frame,
+    NextTouchdown,
+    Rng,
+    between,
+    choice,
+    derated_motors,
+    joint_bias,
+    load,
+    push,
+    self_contact,
+    thrown_ball,
+    tilt_bias,
+    weak_motors,
+    wrong_frame,
 )  # fmt: skip
 from benchmarks.foreign.quadruped import LEGS
 
@@ -33,7 +45,7 @@ def toes() -> tuple[str, ...]:
 
 
 def weak(rng: Rng) -> Fault:
-    """One or two motors of a leg."""
+    """Draw a failure: one or two motors of a leg."""
     groups = []
     for leg in LEGS:
         links = {"spread": "yoke", "swing": "upper", "bend": "lower"}
@@ -44,22 +56,16 @@ def weak(rng: Rng) -> Fault:
 
 
 def late(rng: Rng) -> Fault:
-    """Measurements of joints and base are old."""
+    """Draw a failure: measurements of joints and base are old."""
     more = {"kp": between(rng, 110, 160), "kd": between(rng, 3.0, 5.0)}
     return Fault("delayed control", settings={"delay": between(rng, 0.015, 0.06), **more})
 
 
 def saturated(rng: Rng) -> Fault:
-    """Small motors, from the start or by a faster trot; or limits that fall at a time."""
+    """Draw a failure: small motors, from the start or by a faster trot; or limits that fall at a time."""
     if rng.random() < 0.5:
         return Fault("saturated actuator", every_joint(), settings={"limit": between(rng, 1.2, 3.0)})
-    at, limit = between(rng, 0.8, 1.4), between(rng, 1.0, 2.6)
-
-    def derate(model: Any, data: Any) -> None:
-        if data.time >= at:
-            model.actuator_forcerange[:] = [-limit, limit]
-
-    return Fault("saturated actuator", every_joint(), at, on_step=derate)
+    return derated_motors((), every_joint(), between(rng, 1.0, 2.6), between(rng, 0.8, 1.4))
 
 
 def every_joint() -> tuple[str, ...]:
@@ -68,7 +74,7 @@ def every_joint() -> tuple[str, ...]:
 
 
 def steep(rng: Rng) -> Fault:
-    """A plane or a tilted box beyond the angle of friction."""
+    """Draw a failure: a plane or a tilted box beyond the angle of friction."""
     mu = between(rng, 0.2, 0.4)
     slope = (np.arctan(mu) + between(rng, 0.04, 0.12)) * choice(rng, (-1.0, 1.0))
     ground = Ground(mu=mu, slope=float(slope), thick=bool(rng.random() < 0.5))
@@ -76,7 +82,7 @@ def steep(rng: Rng) -> Fault:
 
 
 def slippery(rng: Rng) -> Fault:
-    """Ice in the way of a trot, or everywhere."""
+    """Draw a failure: ice in the way of a trot, or everywhere."""
     trot = {"trot": True, "speed": between(rng, 0.35, 0.5)}
     if rng.random() < 0.4:
         ground = Ground(mu=between(rng, 0.01, 0.06))
@@ -98,26 +104,19 @@ def touches(geom: str, above: float = -1.0) -> Any:
 
 
 def pushed(rng: Rng) -> Fault:
-    """A force on the trunk, or a ball."""
+    """Draw a failure: a force on the trunk, or a ball."""
     if rng.random() < 0.7:
         return push(rng, {"crate": TRUNK}, (10.0, 22.0), (0.8, 1.8), 0.7)
     return thrown_ball(rng, "crate", TRUNK, between(rng, 1.5, 2.5), (5.0, 8.0), (0.8, 1.6))
 
 
 def laden(rng: Rng) -> Fault:
-    """A sack on the trunk, or mass that it gains."""
+    """Draw a failure: a sack on the trunk, or mass that it gains."""
     return load(rng, "crate", TRUNK, (10.0, 24.0), (0.7, 1.5), (between(rng, -0.08, 0.08), 0.0, 0.13))
 
 
-def misjudged(rng: Rng) -> Fault:
-    """The controller stands on feet that are not under the centre of mass."""
-    return Fault(
-        "wrong mass", TRUNK, settings={"com": choice(rng, (-1, 1)) * between(rng, 0.1, 0.18), "trot": False}
-    )
-
-
 def edge(rng: Rng) -> Fault:
-    """A drop or a step in the way of a trot."""
+    """Draw a failure: a drop or a step in the way of a trot."""
     height = choice(rng, (-1.0, 1.0)) * between(rng, 0.09, 0.16)
     ground = Ground(edge=(between(rng, 0.35, 0.5), height))
     settings = {"ground": ground, "trot": True, "speed": between(rng, 0.35, 0.5)}
@@ -132,20 +131,26 @@ def edge(rng: Rng) -> Fault:
 
 
 def misplaced(rng: Rng) -> Fault:
-    """Touchdowns of a leg or two at a wrong place, or late, from a time on."""
-    leg, at = choice(rng, LEGS), between(rng, 0.8, 1.4)
-    settings: dict[str, Any] = {"trot": True, "shift_from": at}
+    """Draw a failure: touchdowns of a leg or two at a wrong place, or late, from a time on."""
+    leg, period = choice(rng, LEGS), between(rng, 0.36, 0.44)
+    first = 0.5 if leg in ("nw", "se") else 0.0
+    at = (round(between(rng, 0.8, 1.4) / period) + first) * period  # its swing begins
+    settings: dict[str, Any] = {"trot": True, "shift_from": at - 1e-6, "period": period}
     legs = [leg] if rng.random() < 0.6 else [leg, leg[0] + ("e" if leg[1] == "w" else "w")]
+    places = tuple(n for one in legs for n in names_of(one))
     if rng.random() < 0.65:
         x, y = choice(rng, (-1, 1)) * between(rng, 0.1, 0.17), between(rng, 0.0, 0.08)
         settings["shift"] = {one: (x, -y if one[1] == "w" else y) for one in legs}
-    else:
-        settings["late"] = {one: between(rng, 0.25, 0.5) for one in legs}
-    return Fault("foot placement", tuple(n for one in legs for n in names_of(one)), at, settings)
+        begins = NextTouchdown(f"toe_{leg}", at)
+        words = f"{' and '.join(legs)} by {x:+.2f}, {y:.2f} m inwards"
+        return Fault("foot placement", places, None, settings, begins=begins, detail=words)
+    settings["late"] = {leg: between(rng, 0.25, 0.5)}
+    words = f"{leg} late by {settings['late'][leg]:.2f} of {period:.2f} s"
+    return Fault("foot placement", names_of(leg), at + 0.5 * period, settings, detail=words)
 
 
 def slow(rng: Rng) -> Fault:
-    """A period in which the trunk falls over between two diagonals."""
+    """Draw a failure: a period in which the trunk falls over between two diagonals."""
     return Fault(
         "slow gait",
         settings={"trot": True, "period": between(rng, 0.9, 1.6), "speed": between(rng, 0.35, 0.6)},
@@ -153,7 +158,7 @@ def slow(rng: Rng) -> Fault:
 
 
 def chattering(rng: Rng) -> Fault:
-    """Gains that the time step does not allow."""
+    """Draw a failure: gains that the time step does not allow."""
     if rng.random() < 0.5:
         return Fault("chattering gains", every_joint(), settings={"kd": between(rng, 10.0, 25.0)})
     more = {"kp": between(rng, 2500, 6000), "kd": between(rng, 6.0, 12.0), "limit": 60.0}
@@ -161,7 +166,7 @@ def chattering(rng: Rng) -> Fault:
 
 
 def biased(rng: Rng) -> Fault:
-    """The trunk's orientation, or one joint's angle."""
+    """Draw a failure: the trunk's orientation, or one joint's angle."""
     if rng.random() < 0.5:
         fault = tilt_bias(rng, 0, (0.3, 0.5), TRUNK)
         return Fault(**{**vars(fault), "settings": {"trot": False, "level": 1.5}})
@@ -171,7 +176,7 @@ def biased(rng: Rng) -> Fault:
 
 
 def soft(rng: Rng) -> Fault:
-    """Ground that gives way, that throws back, or that one sinks into."""
+    """Draw a failure: ground that gives way, that throws back, or that one sinks into."""
     if rng.random() < 0.6:
         ground = Ground(solref=f"{between(rng, 0.15, 0.4)} 1", solimp="0.3 0.8 0.02")
     else:
@@ -180,7 +185,7 @@ def soft(rng: Rng) -> Fault:
 
 
 def jammed(rng: Rng) -> Fault:
-    """Two legs led into each other."""
+    """Draw a failure: two legs led into each other."""
     end, at = choice(rng, "ns"), between(rng, 0.7, 1.4)
     legs = (f"{end}w", f"{end}e")
     settings = {"inward": {leg: between(rng, 0.6, 0.85) for leg in legs}, "shift_from": at}
@@ -189,7 +194,7 @@ def jammed(rng: Rng) -> Fault:
 
 
 def impossible(rng: Rng) -> Fault:
-    """A speed that no trot of these legs has."""
+    """Draw a failure: a speed that no trot of these legs has."""
     return Fault("impossible command", settings={"trot": True, "speed": between(rng, 1.8, 3.0)})
 
 
@@ -201,7 +206,6 @@ FAULTS: Mapping[str, Draw] = {
     "slippery ground": slippery,
     "push": pushed,
     "payload": laden,
-    "wrong mass": misjudged,
     "terrain edge": edge,
     "foot placement": misplaced,
     "slow gait": slow,

@@ -24,11 +24,16 @@ class Settings(Protocol):
     """What all loops' settings have: length and time step of a run, and the age of measurements [s]."""
 
     @property
-    def duration(self) -> float: ...
+    def duration(self) -> float:
+        """Length [s]."""
+
     @property
-    def timestep(self) -> float: ...
+    def timestep(self) -> float:
+        """Time step [s]."""
+
     @property
-    def delay(self) -> float: ...
+    def delay(self) -> float:
+        """Age of measurements [s]."""
 
 
 class Control(Protocol):
@@ -45,6 +50,9 @@ class Control(Protocol):
 
     def missed(self, data: Any) -> str:
         """Return at the end in which way the task was not attained, else an empty string."""
+
+    def facts(self) -> dict[str, Any]:
+        """Return what the user writes into the log by hand: the mass that the controller believes."""
 
     def command(self) -> Any:
         """Return the velocity that is commanded: (3,) forward, left [m/s], yaw rate [rad/s]; or None."""
@@ -142,12 +150,12 @@ def simulate(loop: Loop, settings: Any, fault: Fault) -> tuple[Log, float | None
     if not failure:
         failure = control.missed(data)
         failed_at = float(data.time) if failure else failed_at
-    return _with_command(log, control.command()), onset, failure, failed_at
+    return _with_notes(log, control), onset, failure, failed_at
 
 
-def _with_command(log: Log, command: Any) -> Log:
-    """Return the log with the command that the loop had."""
-    if command is None:
-        return log
-    rows = np.broadcast_to(np.asarray(command, dtype=float), (len(log), 3)).copy()
-    return Log({**log.arrays, "command": rows}, dict(log.facts))
+def _with_notes(log: Log, control: Control) -> Log:
+    """Return the log with the command and the facts that the loop has."""
+    command, arrays = control.command(), dict(log.arrays)
+    if command is not None:
+        arrays["command"] = np.broadcast_to(np.asarray(command, dtype=float), (len(log), 3)).copy()
+    return Log(arrays, {**log.facts, **control.facts()})

@@ -1,0 +1,145 @@
+"""`surefoot bench audit`: seeded faults of logs, or failures of strangers' loops, as an audit tells them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console
+
+from benchmarks.printing import report, table
+from surefoot.app.cli import extras
+from surefoot.app.cli.console import plain_console
+from surefoot.app.cli.output import check_out
+
+if TYPE_CHECKING:
+    from benchmarks.foreign.race import Trial
+
+QUICK_CAUSES = ("push", "weak actuator", "slope too steep")
+"""What `--quick` runs of the strangers' failures."""
+SHORT = 5
+"""Letters of a cause's name over a column of the confusion."""
+WIDTH = 150
+"""Columns that the confusion needs; a narrower terminal wraps its lines."""
+
+
+def audit(
+    foreign: Annotated[
+        bool, typer.Option("--foreign", help="Failures of plain MuJoCo loops, and their causes.")
+    ] = False,
+    seeds: Annotated[
+        int, typer.Option(min=1, max=10, help="Seeds per cause of --foreign, of each half.")
+    ] = 10,
+    held_back: Annotated[
+        bool,
+        typer.Option("--held-back", help="The half of the seeds of --foreign that rules are not tuned on."),
+    ] = False,
+    cause: Annotated[list[str] | None, typer.Option(help="Only this cause; may be repeated.")] = None,
+    clean: Annotated[int, typer.Option(min=1, help="Clean runs that seeded faults are put into.")] = 100,
+    quick: Annotated[bool, typer.Option("--quick", help="A few runs only.")] = False,
+    out: Annotated[Path | None, typer.Option(help="Write the JSON to a new folder below this one.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
+) -> None:
+    """Put faults into logs, or let strangers' MuJoCo loops fail, and count what the audit tells of it."""
+    check_out(out)
+    extras.require(["mujoco"])
+    if foreign:
+        _foreign(seeds, held_back, cause, quick, out, as_json)
+    else:
+        _seeded(4 if quick else clean, quick, out, as_json)
+
+
+def _foreign(
+    seeds: int, held_back: bool, causes: list[str] | None, quick: bool, out: Path | None, as_json: bool
+) -> None:  # fmt: skip
+    from benchmarks.foreign.causes import CAUSES
+    from benchmarks.foreign.race import LAWFUL, TUNING, plan, summary, trials
+    from surefoot.base.errors import ProblemError, unknown_name
+
+    known = [one.name for one in CAUSES]
+    for name in causes or ():
+        if name not in known:
+            raise ProblemError(unknown_name("cause", name, known))
+    if quick:
+        causes, seeds = causes or list(QUICK_CAUSES), 1
+    first = TUNING if held_back else 0
+    tasks = plan(range(first, first + seeds), 1 if quick else LAWFUL, causes or ())
+    rows: list[Trial] = []
+    with plain_console(stderr=True).status("audit") as status:
+        try:
+            for trial in trials(tasks):
+                rows.append(trial)
+                status.update(f"{len(rows)} of {len(tasks)}: {trial.loop}, {trial.cause or 'lawful'}")
+        except KeyboardInterrupt:
+            typer.echo(f"interrupted: {len(rows)} of {len(tasks)} runs are told", err=True)
+    half = "held back" if held_back else "for tuning"
+    record = {"seeds": seeds, "half": half, "planned": len(tasks), **summary(rows)}
+    title = f"causes of strangers' failures, {seeds} seeds each, {half}"
+    report(record, as_json, lambda console: _print(console, title, record, rows), WIDTH, out, "audit-foreign")
+
+
+def _print(console: Console, title: str, record: dict[str, Any], rows: Sequence[Trial]) -> None:
+    """Print the confusion, the loops' shares and what was wrong."""
+    from benchmarks.foreign.causes import CAUSES
+
+    counts = record["confusion"]
+    others = dict.fromkeys(name for row in counts.values() for name in row)
+    columns = [c.name for c in CAUSES if c.name in others]
+    columns += [name for name in others if name not in columns]
+    heads = [_short(name) for name in columns]
+    cells = []
+    for one in record["causes"]:
+        told = counts[one["name"]]
+        shares = [f"{one['first']}/{one['trials']}", f"{one['second']}/{one['trials']}"]
+        cells.append((one["name"], *shares, *(str(told.get(name, "")) for name in columns)))
+    console.print(table(("cause", "first", "in two", *heads), cells, title))
+    of_loops = [
+        (one["name"], str(one["trials"]), _share(one, "first"), _share(one, "second"))
+        for one in (*record["loops"], record["total"])
+    ]
+    console.print(table(("loop", "failures", "first right", "among two"), of_loops, "by loop"))
+    console.print(f"{len(record['false'])} false causes on {record['controls']} lawful controls")
+    for trial in rows:
+        if (trial.cause and not trial.first) or (not trial.cause and trial.named):
+            said = "; ".join(f"{name} at {where}, {when}" for name, where, when in trial.named[:2]) or "none"
+            when = "start" if trial.onset is None else f"{trial.onset:.2f} s"
+            console.print(f"    {trial.loop}, {trial.cause or 'lawful'} {trial.seed} ({when}): {said}"[:250])
+
+
+def _short(name: str) -> str:
+    """Return a cause's name as a narrow column's head has it."""
+    return "\n".join(word[:SHORT] for word in name.split())
+
+
+def _share(one: dict[str, Any], key: str) -> str:
+    return f"{one[key]} ({100.0 * one[key] / max(one['trials'], 1):.1f} %)"
+
+
+def _seeded(clean: int, quick: bool, out: Path | None, as_json: bool) -> None:
+    from benchmarks.audit import FaultScore, false_alarms, measure
+
+    rows: list[FaultScore] = []
+    with plain_console(stderr=True).status("audit") as status:
+        try:
+            for row in measure(clean, 1 if quick else 8):
+                rows.append(row)
+                status.update(f"{len(rows)} kinds of faults: {row.fault.name}")
+        except KeyboardInterrupt:
+            typer.echo(f"interrupted: {len(rows)} kinds of faults are told", err=True)
+    alarms = false_alarms(clean)
+    record = {"faults": [row.record for row in rows], "clean": clean, "alarms": alarms}
+
+    def in_words(console: Console) -> None:
+        heads = ("fault", "trials", "noticed", "foot", "time", "cause", "all")
+        cells = [
+            (r.fault.name, *(str(n) for n in (r.trials, r.noticed, r.foot, r.time, r.cause, r.found)))
+            for r in rows
+        ]
+        console.print(table(heads, cells, "seeded faults of logs"))
+        found, total = sum(r.found for r in rows), sum(r.trials for r in rows)
+        console.print(f"{found} of {total} found with foot, time and cause")
+        console.print(f"{len(alarms)} false alarms on {clean} clean runs")
+
+    report(record, as_json, in_words, out=out, name="audit")
