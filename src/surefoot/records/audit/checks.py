@@ -16,6 +16,7 @@ from surefoot.records.audit.balance import balance
 from surefoot.records.audit.cones import friction_needed, grip
 from surefoot.records.audit.consistency import acceleration, centre_of_mass, momentum, pressing, uneven
 from surefoot.records.audit.continuity import contact_velocity, gap_rate, no_plane, state
+from surefoot.records.audit.flights import driven, flights
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.places import gap_place, jump, no_feet, no_ground
 from surefoot.records.audit.restitution import rebound, sparse
@@ -245,6 +246,10 @@ CHECKS = (
     Check(
         "restitution", "a touch returns no more than it took", "J", True, ("forces", "contact_velocities"),
         rebound, sparse,
+    ),
+    Check(
+        "flight", "what falls comes back no higher", "J", True, ("forces", "gaps", "contact_velocities"),
+        flights, driven,
     ),
     Check("state", "positions follow from velocities", "m", True, ("q", "v"), state),
     Check(
