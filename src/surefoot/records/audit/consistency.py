@@ -19,6 +19,7 @@ from surefoot.base.spatial import GRAVITY
 from surefoot.records.audit.balance import left_over
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.rows import Measured, Rows, on_body, over, sliding_mean, sliding_sum
+from surefoot.records.audit.within_row import edges, step_of
 from surefoot.records.log import Log
 
 RIGID = 6
@@ -29,7 +30,7 @@ def momentum(rows: Rows) -> Measured:
     """Return how far momentum is beside its rate in the column of the body: (T, p + 1) [m/s]."""
     limits, w = rows.setting.limits, rows.window(rows.setting.limits.balance.smooth)
     slips = np.zeros((rows.count, 6))
-    rate, dt = rows.numbers("momentum_rate"), rows.dt[:, None]
+    rate, dt = step_of(rows, rows.numbers("momentum_rate")), rows.dt[:, None]
     slips[:-1] = np.diff(rows.numbers("momentum"), axis=0) - dt[:-1] * rate[:-1]
     off, turned = (np.linalg.norm(sliding_sum(part, w), axis=1) for part in (slips[:, :3], slips[:, 3:]))
     arm = limits.balance.arm / limits.balance.force
@@ -109,6 +110,7 @@ def net_force(rows: Rows) -> FloatArray | None:
     if not rows.has("forces", "normals"):
         return None
     out = np.einsum("tpij,tpj->ti", rows.frames, rows.forces)
+    out = step_of(rows, out)
     out += rows.setting.weight / GRAVITY * np.asarray(rows.log.facts.get("gravity", (0.0, 0.0, -GRAVITY)))
     if "wrench_applied" in rows.log:
         out += rows.numbers("wrench_applied")[:, :3]
@@ -124,11 +126,7 @@ def untimed(rows: Rows) -> FloatArray:
     """Return the forces that begin or end within their rows, nobody knows when: (T,) [N]."""
     if not rows.has("forces"):
         return np.zeros(rows.count)
-    loaded = rows.loaded
-    inside = loaded.copy()
-    inside[1:] &= loaded[:-1]
-    inside[:-1] &= loaded[1:]
-    return np.asarray((np.linalg.norm(rows.forces, axis=2) * (loaded & ~inside)).sum(axis=1))
+    return np.asarray((step_of(rows, np.linalg.norm(rows.forces, axis=2)) * edges(rows)).sum(axis=1))
 
 
 def spin(rows: Rows) -> FloatArray:

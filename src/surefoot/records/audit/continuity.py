@@ -15,6 +15,7 @@ from surefoot.records.audit.limits import LIMITS
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.places import anew
 from surefoot.records.audit.rows import Measured, Rows, over, sliding_mean, sliding_sum
+from surefoot.records.audit.within_row import edges
 from surefoot.records.log import Log
 
 BASE = 7
@@ -47,7 +48,8 @@ def gap_rate(rows: Rows) -> Measured:
     slips = gap_slips(rows.gaps, up, rows.dt, rows.setting.after)
     value = np.abs(sliding_sum(np.where(anew(rows), 0.0, slips), w))
     step = np.abs(up) * rows.dt[:, None]
-    return over(value, limits.gap + _highest(step, w) + limits.drift * sliding_sum(step, w))
+    touched = sliding_sum(np.where(edges(rows), _highest(step, 1), 0.0), w)
+    return over(value, limits.gap + _highest(step, w) + touched + limits.drift * sliding_sum(step, w))
 
 
 def no_plane(log: Log, setting: Setting) -> str:

@@ -31,7 +31,11 @@ def rebound(rows: Rows) -> Measured:
     limits = rows.setting.limits.rebound
     if rows.has("gaps"):
         loaded = loaded | (rows.gaps < 0.0)
-    value, taken = returned_work(rows.normal, rows.velocities[..., 2], dt, loaded, after)
+    up = rows.velocities[..., 2]
+    value, taken = returned_work(rows.normal, up, dt, loaded, after)
+    if after is None:  # what is said to be a mean may be either end of it
+        for end in (False, True):
+            value = np.minimum(value, returned_work(rows.normal, up, dt, loaded, end)[0])
     limit = np.maximum(limits.way * rows.setting.weight, limits.share * taken) + _unloading(rows)
     any_loaded = np.asarray(loaded.any(axis=1, keepdims=True))
     chain = _since_touchdown(_work(rows).sum(axis=1, keepdims=True), any_loaded)

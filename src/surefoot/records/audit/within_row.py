@@ -6,9 +6,11 @@ freely for an unknown share of it has a velocity that is known to half of g dt, 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from surefoot.base.arrays import FloatArray
+from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.spatial import GRAVITY
 from surefoot.records.audit.rows import Rows
 
@@ -31,3 +33,17 @@ def way_to_touch(rows: Rows) -> FloatArray:
     else:
         nearing = np.maximum(-np.diff(rows.gaps, axis=0, prepend=rows.gaps[:1]), 0.0)
     return np.asarray(nearing + fall(rows) * dt**2)
+
+
+def edges(rows: Rows) -> BoolArray:
+    """Return over which rows' steps loads begin or end, nobody knows when: loaded, but not on both sides."""
+    loaded = rows.loaded
+    inside = loaded.copy()
+    inside[1:] &= loaded[:-1]
+    inside[:-1] &= loaded[1:]
+    return step_of(rows, loaded & ~inside)
+
+
+def step_of(rows: Rows, values: Any) -> Any:
+    """Return (T, ...) values of forces at the rows whose steps they act in: a row earlier where they are late."""
+    return np.concatenate([values[1:], values[-1:]]) if rows.setting.late else values
