@@ -129,7 +129,9 @@ def _contact_jumps(way: float) -> Callable[[Arrays, Lawful, Numbers], bool]:
         size, loads = np.zeros((2, count, points))
         size[row:, point] = way
         loads[row:, point] = np.linalg.norm(
-            np.cross(by, np.einsum("tij,tj->ti", lawful.rows.frames[:, point], lawful.rows.forces[:, point]))[row:],
+            np.cross(by, np.einsum("tij,tj->ti", lawful.rows.frames[:, point], lawful.rows.forces[:, point]))[
+                row:
+            ],
             axis=1,
         )
         w = lawful.rows.window(LIMITS.balance.smooth)
@@ -156,7 +158,9 @@ def _velocities(scale: float) -> Callable[[Arrays, Lawful, Numbers], bool]:
 
 def _gap_signs(a: Arrays, lawful: Lawful, rng: Numbers) -> bool:
     a["gaps"] *= -1.0
-    return lawful.over("penetration", lawful.rows.gaps) or lawful.over("gap place", 2.0 * np.abs(lawful.rows.gaps))
+    return lawful.over("penetration", lawful.rows.gaps) or lawful.over(
+        "gap place", 2.0 * np.abs(lawful.rows.gaps)
+    )
 
 
 def _late_rate(a: Arrays, lawful: Lawful, rng: Numbers) -> bool:
@@ -172,7 +176,9 @@ def _swapped(a: Arrays, lawful: Lawful, rng: Numbers) -> bool:
     """Tangents in the other order: left-handed contact axes."""
     f = np.array(a["forces"])
     a["forces"] = f[..., [1, 0, 2]]
-    off = np.linalg.norm(sliding_mean((a["forces"] - f).sum(axis=1), lawful.rows.window(LIMITS.balance.smooth)), axis=1)
+    off = np.linalg.norm(
+        sliding_mean((a["forces"] - f).sum(axis=1), lawful.rows.window(LIMITS.balance.smooth)), axis=1
+    )
     return lawful.over("balance", off) or lawful.over("motion", off)
 
 

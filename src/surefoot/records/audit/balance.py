@@ -13,6 +13,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import GRAVITY
 from surefoot.records.audit.rows import Measured, Rows, on_body, over, sliding_mean
+from surefoot.records.audit.within_row import moved_moment
 
 
 def left_over(rows: Rows) -> FloatArray:
@@ -42,6 +43,7 @@ def balance(rows: Rows) -> Measured:
     rest, weight, limits = left_over(rows), rows.setting.weight, rows.setting.limits.balance
     w, long = rows.window(limits.smooth), rows.window(limits.ringing_time)
     force, moment = (np.linalg.norm(sliding_mean(part, w), axis=-1) for part in (rest[:, :3], rest[:, 3:]))
+    moment = np.maximum(moment - sliding_mean(moved_moment(rows), w), 0.0)
     rings = np.sqrt(sliding_mean((rest[:, :3] ** 2).sum(axis=1), long))
     value = np.fmax(force, moment * (limits.force / limits.arm))
     value = np.fmax(value, rings * (limits.force / limits.ringing))

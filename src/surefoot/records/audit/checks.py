@@ -15,7 +15,7 @@ from surefoot.base.arrays import FloatArray
 from surefoot.records.audit.balance import balance
 from surefoot.records.audit.cones import friction_needed, grip
 from surefoot.records.audit.consistency import acceleration, centre_of_mass, momentum, pressing, uneven
-from surefoot.records.audit.continuity import contact_velocity, gap_rate, no_plane, state
+from surefoot.records.audit.continuity import contact_velocity, gap_rate, no_kinematics, no_plane, state
 from surefoot.records.audit.flights import driven, flights
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.places import gap_place, jump, no_feet, no_ground
@@ -258,7 +258,7 @@ CHECKS = (
     ),
     Check(
         "contact velocity", "contacts move with the joints", "m/s", True, ("contact_velocities", "q", "v"),
-        contact_velocity, lambda _, setting: setting.why_no_motion,
+        contact_velocity, no_kinematics,
     ),
     Check(
         "momentum", "momentum changes by its rate", "m/s", True, ("momentum", "momentum_rate"), momentum
