@@ -112,7 +112,8 @@ def _driving(rows: Rows) -> Measured:
     share = rows.setting.limits.checks.drive_share
     late = rows.setting.limits.laws.slide + 2.0 * rows.setting.stopping
     limit = np.maximum(share * late * rows.setting.weight, share * most)
-    return over(_without_settling(rows, work), limit)
+    unsure = sliding_sum(grip(rows) * rows.normal * rows.unsure_way, rows.window(_slide_window(rows)))
+    return over(_without_settling(rows, work), limit + np.maximum(unsure, 0.0))
 
 
 def _sliding(rows: Rows) -> Measured:
@@ -122,7 +123,13 @@ def _sliding(rows: Rows) -> Measured:
     share = np.clip((limits.brake_share * most + work) / np.maximum(most, 1e-12), 0.0, 1.0)
     value = np.where(most > 0.0, way * share, 0.0)
     creep = 0.0 if "contact_creep" in rows.log else rows.setting.creep
-    return over(_without_settling(rows, value), rows.setting.slide_limit + creep * limits.slide_window)
+    unsure = sliding_sum(rows.unsure_way, rows.window(_slide_window(rows)))
+    limit = rows.setting.slide_limit + creep * limits.slide_window + unsure
+    return over(_without_settling(rows, value), limit)
+
+
+def _slide_window(rows: Rows) -> float:
+    return rows.setting.limits.checks.slide_window
 
 
 def _bias(rows: Rows) -> Measured:

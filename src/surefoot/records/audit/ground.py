@@ -9,6 +9,8 @@ from surefoot.records.log import Log
 
 LEVEL = 1e-6
 """Difference of unit vectors that are one [-]."""
+MEASURED = 1.0 - 1e-9
+"""Recordings measure gaps up to here: what is farther apart is logged as that far [m]."""
 
 
 def ground_plane(log: Log, share: float, near: float) -> FloatArray | None:
@@ -30,11 +32,11 @@ def ground_plane(log: Log, share: float, near: float) -> FloatArray | None:
     length = float(np.linalg.norm(normal))
     if not abs(length - 1.0) < LEVEL:
         return None
-    same = (np.abs(normals - normal) < LEVEL).all(axis=2)
+    same = (np.abs(normals - normal) < LEVEL).all(axis=2) & (gaps < MEASURED)
     height = np.where(same, places @ normal - gaps, np.nan)
     if not np.isfinite(height).any():
         return None
     level = float(np.nanmedian(height))
     with np.errstate(invalid="ignore"):
-        shows = float((np.abs(height - level) < near).mean())
+        shows = float((np.abs(height - level) < near).sum() / max((gaps < MEASURED).sum(), 1))
     return np.append(normal, level) if shows >= share else None

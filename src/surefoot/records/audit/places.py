@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from surefoot.base.arrays import BoolArray, FloatArray
-from surefoot.records.audit.ground import LEVEL
+from surefoot.base.arrays import BoolArray
+from surefoot.records.audit.ground import LEVEL, MEASURED
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.rows import Measured, Rows, over
 from surefoot.records.audit.within_row import fall
@@ -30,7 +30,8 @@ def gap_place(rows: Rows) -> Measured:
         # a point in the middle of what overlaps is half of its depth above where one on the foot is
         middle = np.where(rows.gaps < 0.0, 0.5, 1.0) * rows.gaps
         value = np.minimum(np.abs(along - rows.gaps), np.abs(along - middle))
-        value = np.where((np.abs(rows.numbers("normals") - height[:3]) < LEVEL).all(axis=2), value, 0.0)
+        plane = (np.abs(rows.numbers("normals") - height[:3]) < LEVEL).all(axis=2)
+        value = np.where(plane & ~too_far(rows), value, 0.0)
     return over(value, rows.setting.limits.consistency.place + softness)
 
 
@@ -49,6 +50,10 @@ def jump(rows: Rows) -> Measured:
 def anew(rows: Rows) -> BoolArray:
     """Return the steps to the next row over which a recorded contact point becomes another: (T, p)."""
     out = np.zeros(rows.normal.shape, dtype=bool)
+    if rows.has("gaps"):
+        far = too_far(rows)
+        out |= far
+        out[:-1] |= far[1:]
     if rows.log.facts.get("kind") != "recording" or "contact_positions" not in rows.log:
         return out
     place = rows.numbers("contact_positions")
@@ -59,6 +64,11 @@ def anew(rows: Rows) -> BoolArray:
     out[:-2] |= wide
     out[1:-1] |= wide
     return out
+
+
+def too_far(rows: Rows) -> BoolArray:
+    """Return in which rows (T, p) gaps of a recording are only known to be wider than it measures."""
+    return np.asarray((rows.gaps > MEASURED) & (rows.log.facts.get("kind") == "recording"))
 
 
 def no_ground(log: Log, setting: Setting) -> str:

@@ -153,6 +153,17 @@ class Rows:
         return np.asarray(self.velocities * left[..., None])
 
     @cached_property
+    def unsure_way(self) -> FloatArray:
+        """(T, p) way along the ground that velocities leave open which are means over their rows [m].
+
+        Friction changes with the slip within such a row: of both only the means are known.
+        """
+        if self.setting.after is not None:
+            return np.zeros(self.normal.shape)
+        change = np.diff(self.velocities[..., :2], axis=0, append=self.velocities[-1:, :, :2])
+        return np.asarray(np.where(self.loaded, np.hypot(*np.moveaxis(change, -1, 0)), 0.0) * self.dt[:, None])
+
+    @cached_property
     def frames(self) -> FloatArray:
         """(T, p, 3, 3) contact frames (rotations) in world axes, from the ground's normals."""
         normals = self.numbers("normals")
