@@ -59,7 +59,7 @@ def anew(rows: Rows) -> BoolArray:
     place = rows.numbers("contact_positions")
     step = np.linalg.norm(np.diff(place, axis=0), axis=2)
     longest = np.maximum(np.vstack([step[:1], step[:-1]]), np.vstack([step[1:], step[-1:]]))
-    out[:-1] = step > rows.setting.limits.consistency.anew + longest
+    out[:-1] |= step > rows.setting.limits.consistency.anew + longest
     wide = np.linalg.norm(np.diff(place, n=2, axis=0), axis=2) > rows.setting.limits.consistency.anew
     out[:-2] |= wide
     out[1:-1] |= wide
