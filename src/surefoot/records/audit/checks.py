@@ -288,7 +288,7 @@ CHECKS = (
     ),
     Check(
         "contact jump", "contact points go on as their material does", "m", True,
-        ("contact_positions", "contact_velocities"), jump, no_feet,
+        ("contact_positions", "contact_velocities", "normals"), jump, no_feet,
     ),
     Check(
         "bias", "a pyramid brakes less than the round cone", "m", False,

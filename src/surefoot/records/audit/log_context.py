@@ -196,10 +196,13 @@ def setting_of(log: Log, robot: Robot | None, limits: AuditLimits = LIMITS) -> S
             f"{1e3 * creep:.2g} mm/s {held} count as lawful{deep}{swing}"
         )
     model, why = _robot(log, robot, doubts, limits.records.same_mass)
-    plane = str(log.facts.get("terrain", "")).split(":")[0] in PLANES
-    near = limits.consistency.place + sinking
-    ground = ground_plane(log, 0.0 if plane else limits.consistency.shown, near)
     weight = _weight(log, model, payload, notes, doubts)
+    terrain = str(log.facts.get("terrain", "")).split(":")[0]
+    plane, ground = terrain in PLANES, None
+    if plane or not terrain:
+        near = limits.consistency.place + sinking
+        share = 0.0 if plane else limits.consistency.shown
+        ground = ground_plane(log, share, near, limits.laws.loaded * weight)
     return Setting(
         names, owner, feet, weight, dt, sinking, creep, stopping, settling, payload, place, model, why,
         velocities_after(log, dt, limits.records.clear), forces_late(log, dt, weight),

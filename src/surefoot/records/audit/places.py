@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.base.arrays import BoolArray
-from surefoot.records.audit.ground import LEVEL, MEASURED
+from surefoot.records.audit.ground import LEVEL, MEASURED, on_ground
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.rows import Measured, Rows, over
 from surefoot.records.audit.within_row import fall
@@ -31,6 +31,7 @@ def gap_place(rows: Rows) -> Measured:
         middle = np.where(rows.gaps < 0.0, 0.5, 1.0) * rows.gaps
         value = np.minimum(np.abs(along - rows.gaps), np.abs(along - middle))
         plane = (np.abs(rows.numbers("normals") - height[:3]) < LEVEL).all(axis=2)
+        plane &= on_ground(rows.log, rows.points)
         value = np.where(plane & ~too_far(rows), value, 0.0)
     return over(value, rows.setting.limits.consistency.place + softness)
 
@@ -42,6 +43,9 @@ def jump(rows: Rows) -> Measured:
     place, dt = rows.numbers("contact_positions"), rows.dt[:, None]
     bend = np.zeros(rows.normal.shape)
     bend[1:-1] = np.linalg.norm(place[2:] - 2.0 * place[1:-1] + place[:-2], axis=2)
+    normals = rows.numbers("normals")
+    turned = (np.abs(np.diff(normals, axis=0)) > LEVEL).any(axis=2)  # it touches another face
+    bend[1:-1] = np.where(turned[1:] | turned[:-1], 0.0, bend[1:-1])
     change = np.linalg.norm(np.diff(rows.velocities, axis=0, append=rows.velocities[-1:]), axis=2)
     allowed = ROLLS * maximum_filter1d(change, 5, axis=0) * dt + fall(rows) * dt**2
     return over(bend, rows.setting.limits.consistency.jump + allowed)
