@@ -64,7 +64,7 @@ def on_ground(log: Log, points: int) -> BoolArray:
 
 def _another_level(height: FloatArray, gaps: FloatArray, off: BoolArray) -> bool:
     """Return whether most of what is (T, p) off a plane is above another one: its height stays, gaps change."""
-    pairs = off[1:] & off[:-1]
+    pairs = off[1:] & off[:-1] & np.isfinite(np.diff(height, axis=0))
     if not pairs.any():
         return bool(off.any())
     stays = np.abs(np.diff(height, axis=0)) < 0.5 * np.abs(np.diff(gaps, axis=0)) + LEVEL
