@@ -11,7 +11,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
 from surefoot.mechanics import Robot
-from surefoot.records.audit.checks import CHECKS, Check
+from surefoot.records.audit.checks import CHECKS, Check, longest_unsure_way
 from surefoot.records.audit.command_tracking import judge_command, judge_task
 from surefoot.records.audit.cones import grip
 from surefoot.records.audit.diagnosis import diagnose
@@ -83,7 +83,7 @@ def audit_log(log: Log | Path | str, robot: Robot | None = None, limits: AuditLi
                     friction.add(rows)
                 if "dissipation" in tracks:
                     _slide(rows, slides)
-                    unsure = max(unsure, float(rows.unsure_way.max(initial=0.0)))
+                    unsure = max(unsure, longest_unsure_way(rows))
     if "dissipation" in tracks:
         _slow_slides(slides, tracks["dissipation"], setting.slide_limit + unsure, len(log))
     return _report(log, setting, coverage, tracks, friction)

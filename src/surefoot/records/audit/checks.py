@@ -128,6 +128,13 @@ def _sliding(rows: Rows) -> Measured:
     return over(_without_settling(rows, value), limit)
 
 
+def longest_unsure_way(rows: Rows) -> float:
+    """Return the longest way of a window along the ground that means over rows leave open [m]."""
+    if rows.setting.after is not None:
+        return 0.0
+    return float(sliding_sum(rows.unsure_way, rows.window(_slide_window(rows))).max(initial=0.0))
+
+
 def _slide_window(rows: Rows) -> float:
     return rows.setting.limits.checks.slide_window
 

@@ -16,7 +16,6 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import GRAVITY
-from surefoot.records.audit.balance import left_over
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.rows import Measured, Rows, on_body, over, sliding_mean, sliding_sum
 from surefoot.records.audit.within_row import edges, moved_moment, rigid, step_of, turn_speed, turns_of
@@ -89,7 +88,7 @@ def acceleration(rows: Rows) -> Measured:
 def pressing(rows: Rows) -> Measured:
     """Return the moment that forces at their contact points lack: (T, p + 1), in the body's column [N m]."""
     w = rows.window(rows.setting.limits.balance.smooth)
-    value = np.linalg.norm(sliding_mean(left_over(rows)[:, 3:], w), axis=1)
+    value = np.linalg.norm(sliding_mean(rows.left_over[:, 3:], w), axis=1)
     size = np.linalg.norm(rows.forces, axis=2).sum(axis=1) + rows.setting.weight
     allowed = rows.setting.limits.consistency.press * size + moved_moment(rows)
     return over(on_body(rows, np.nan_to_num(value)), on_limit(rows, sliding_mean(allowed, w)))
@@ -99,8 +98,7 @@ def net_force(rows: Rows) -> FloatArray | None:
     """Return what the log says to act on the whole robot: (T, 3) [N]; None where it does not say."""
     if not rows.has("forces", "normals"):
         return None
-    out = np.einsum("tpij,tpj->ti", rows.frames, rows.forces)
-    out = step_of(rows, out)
+    out = step_of(rows, rows.world_forces.sum(axis=1))
     out += rows.setting.weight / GRAVITY * np.asarray(rows.log.facts.get("gravity", (0.0, 0.0, -GRAVITY)))
     if "wrench_applied" in rows.log:
         out += rows.numbers("wrench_applied")[:, :3]
