@@ -21,7 +21,7 @@ from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.places import gap_place, jump, no_feet, no_ground
 from surefoot.records.audit.restitution import rebound, sparse
 from surefoot.records.audit.rows import Measured, Rows, on_body, over, sliding_mean, sliding_sum
-from surefoot.records.audit.within_row import way_to_touch
+from surefoot.records.audit.within_row import fall, way_to_touch
 from surefoot.records.log import Log
 
 
@@ -58,7 +58,10 @@ def _penetration(rows: Rows) -> Measured:
     """Depth [m]; while a body tumbles onto soft contacts they drive each other deeper."""
     limits, sinking = rows.setting.limits.laws, rows.setting.sinking
     limit = max(limits.penetration, sinking)
-    return over(-rows.gaps, np.where(rows.swinging, max(limit, limits.swing_depth * sinking), limit))
+    deep = np.where(rows.swinging, max(limit, limits.swing_depth * sinking), limit)
+    # in a soft world one corner lands within its row while another does in the next
+    late = 2.0 * fall(rows) * rows.dt[:, None] ** 2 if sinking > 0.0 else 0.0
+    return over(-rows.gaps, deep + late)
 
 
 def _depth(rows: Rows) -> Measured:
