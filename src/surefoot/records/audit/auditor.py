@@ -11,7 +11,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
 from surefoot.mechanics import Robot
-from surefoot.records.audit.checks import CHECKS, Check
+from surefoot.records.audit.checks import CHECKS, Check, longest_unsure_way
 from surefoot.records.audit.command_tracking import judge_command, judge_task
 from surefoot.records.audit.cones import grip
 from surefoot.records.audit.diagnosis import diagnose
@@ -73,7 +73,7 @@ def audit_log(log: Log | Path | str, robot: Robot | None = None, limits: AuditLi
     join = max(1, round(limits.records.join / setting.dt)) if setting.dt > 0.0 else 1
     tracks = {name: Track(name, join) for name in (*_FAULTS, *(check.name for check in used))}
     friction, slides = FrictionCount(setting), start_slides(len(setting.names), limits.laws)
-    last = -np.inf
+    last, unsure = -np.inf, 0.0
     for rows in pieces(log, setting):
         last = _faults(rows, tracks, last)
         if setting.names or used:
@@ -83,8 +83,9 @@ def audit_log(log: Log | Path | str, robot: Robot | None = None, limits: AuditLi
                     friction.add(rows)
                 if "dissipation" in tracks:
                     _slide(rows, slides)
+                    unsure = max(unsure, longest_unsure_way(rows))
     if "dissipation" in tracks:
-        _slow_slides(slides, tracks["dissipation"], setting.slide_limit, len(log))
+        _slow_slides(slides, tracks["dissipation"], setting.slide_limit + unsure, len(log))
     return _report(log, setting, coverage, tracks, friction)
 
 

@@ -15,12 +15,13 @@ from surefoot.base.arrays import FloatArray
 from surefoot.records.audit.balance import balance
 from surefoot.records.audit.cones import friction_needed, grip
 from surefoot.records.audit.consistency import acceleration, centre_of_mass, momentum, pressing, uneven
-from surefoot.records.audit.continuity import contact_velocity, gap_rate, no_plane, state
+from surefoot.records.audit.continuity import contact_velocity, gap_rate, no_kinematics, no_plane, state
+from surefoot.records.audit.flights import driven, flights
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.places import gap_place, jump, no_feet, no_ground
 from surefoot.records.audit.restitution import rebound, sparse
 from surefoot.records.audit.rows import Measured, Rows, on_body, over, sliding_mean, sliding_sum
-from surefoot.records.audit.within_row import way_to_touch
+from surefoot.records.audit.within_row import fall, way_to_touch
 from surefoot.records.log import Log
 
 
@@ -57,7 +58,10 @@ def _penetration(rows: Rows) -> Measured:
     """Depth [m]; while a body tumbles onto soft contacts they drive each other deeper."""
     limits, sinking = rows.setting.limits.laws, rows.setting.sinking
     limit = max(limits.penetration, sinking)
-    return over(-rows.gaps, np.where(rows.swinging, max(limit, limits.swing_depth * sinking), limit))
+    deep = np.where(rows.swinging, max(limit, limits.swing_depth * sinking), limit)
+    # in a soft world one corner lands within its row while another does in the next
+    late = 2.0 * fall(rows) * rows.dt[:, None] ** 2 if sinking > 0.0 else 0.0
+    return over(-rows.gaps, deep + late)
 
 
 def _depth(rows: Rows) -> Measured:
@@ -111,7 +115,8 @@ def _driving(rows: Rows) -> Measured:
     share = rows.setting.limits.checks.drive_share
     late = rows.setting.limits.laws.slide + 2.0 * rows.setting.stopping
     limit = np.maximum(share * late * rows.setting.weight, share * most)
-    return over(_without_settling(rows, work), limit)
+    unsure = sliding_sum(grip(rows) * rows.normal * rows.unsure_way, rows.window(_slide_window(rows)))
+    return over(_without_settling(rows, work), limit + np.maximum(unsure, 0.0))
 
 
 def _sliding(rows: Rows) -> Measured:
@@ -121,7 +126,20 @@ def _sliding(rows: Rows) -> Measured:
     share = np.clip((limits.brake_share * most + work) / np.maximum(most, 1e-12), 0.0, 1.0)
     value = np.where(most > 0.0, way * share, 0.0)
     creep = 0.0 if "contact_creep" in rows.log else rows.setting.creep
-    return over(_without_settling(rows, value), rows.setting.slide_limit + creep * limits.slide_window)
+    unsure = sliding_sum(rows.unsure_way, rows.window(_slide_window(rows)))
+    limit = rows.setting.slide_limit + creep * limits.slide_window + unsure
+    return over(_without_settling(rows, value), limit)
+
+
+def longest_unsure_way(rows: Rows) -> float:
+    """Return the longest way of a window along the ground that means over rows leave open [m]."""
+    if rows.setting.after is not None:
+        return 0.0
+    return float(sliding_sum(rows.unsure_way, rows.window(_slide_window(rows))).max(initial=0.0))
+
+
+def _slide_window(rows: Rows) -> float:
+    return rows.setting.limits.checks.slide_window
 
 
 def _bias(rows: Rows) -> Measured:
@@ -246,6 +264,10 @@ CHECKS = (
         "restitution", "a touch returns no more than it took", "J", True, ("forces", "contact_velocities"),
         rebound, sparse,
     ),
+    Check(
+        "flight", "what falls comes back no higher", "J", True, ("forces", "gaps", "contact_velocities"),
+        flights, driven,
+    ),
     Check("state", "positions follow from velocities", "m", True, ("q", "v"), state),
     Check(
         "gap rate", "gaps follow from velocities", "m", True, ("gaps", "contact_velocities"), gap_rate,
@@ -253,7 +275,7 @@ CHECKS = (
     ),
     Check(
         "contact velocity", "contacts move with the joints", "m/s", True, ("contact_velocities", "q", "v"),
-        contact_velocity, lambda _, setting: setting.why_no_motion,
+        contact_velocity, no_kinematics,
     ),
     Check(
         "momentum", "momentum changes by its rate", "m/s", True, ("momentum", "momentum_rate"), momentum
@@ -276,7 +298,7 @@ CHECKS = (
     ),
     Check(
         "contact jump", "contact points go on as their material does", "m", True,
-        ("contact_positions", "contact_velocities"), jump, no_feet,
+        ("contact_positions", "contact_velocities", "normals"), jump, no_feet,
     ),
     Check(
         "bias", "a pyramid brakes less than the round cone", "m", False,

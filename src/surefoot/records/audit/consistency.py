@@ -16,26 +16,23 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import GRAVITY
-from surefoot.records.audit.balance import left_over
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.rows import Measured, Rows, on_body, over, sliding_mean, sliding_sum
+from surefoot.records.audit.within_row import edges, moved_moment, rigid, step_of, turn_speed, turns_of
 from surefoot.records.log import Log
-
-RIGID = 6
-"""Velocity components of a body that has no joints."""
 
 
 def momentum(rows: Rows) -> Measured:
     """Return how far momentum is beside its rate in the column of the body: (T, p + 1) [m/s]."""
     limits, w = rows.setting.limits, rows.window(rows.setting.limits.balance.smooth)
     slips = np.zeros((rows.count, 6))
-    rate, dt = rows.numbers("momentum_rate"), rows.dt[:, None]
+    rate, dt = step_of(rows, rows.numbers("momentum_rate")), rows.dt[:, None]
     slips[:-1] = np.diff(rows.numbers("momentum"), axis=0) - dt[:-1] * rate[:-1]
     off, turned = (np.linalg.norm(sliding_sum(part, w), axis=1) for part in (slips[:, :3], slips[:, 3:]))
     arm = limits.balance.arm / limits.balance.force
     value = np.fmax(off, turned / arm) / _mass(rows)
     # limbs swing on while they are thrown: l w dw is no rate of a row's start
-    thrown = limits.continuity.lever * spin(rows) * _spin_change(rows)
+    thrown = limits.continuity.lever * turn_speed(rows) * _spin_change(rows)
     thrown += _turned_within(rows) / arm
     allowed = limits.consistency.impulse * _pushing(rows) * rows.dt / _mass(rows) + thrown
     return over(on_body(rows, value), on_limit(rows, sliding_sum(allowed, w)))
@@ -91,16 +88,9 @@ def acceleration(rows: Rows) -> Measured:
 def pressing(rows: Rows) -> Measured:
     """Return the moment that forces at their contact points lack: (T, p + 1), in the body's column [N m]."""
     w = rows.window(rows.setting.limits.balance.smooth)
-    value = np.linalg.norm(sliding_mean(left_over(rows)[:, 3:], w), axis=1)
-    arm = np.linalg.norm(rows.numbers("contact_positions") - rows.numbers("com")[:, None], axis=2)
-    size = np.linalg.norm(rows.forces, axis=2)
-    turn = spin(rows) * rows.dt
-    # within a row the body turns by w h, and its contact points with it
-    wander = (size * arm).sum(axis=1) * turn
-    if rows.setting.after is None:  # means about the place at the start: weight and contacts go on meanwhile
-        went = np.linalg.norm(np.diff(rows.numbers("com"), axis=0, append=rows.numbers("com")[-1:]), axis=1)
-        wander = wander + (size.sum(axis=1) + rows.setting.weight) * went
-    allowed = rows.setting.limits.consistency.press * (size.sum(axis=1) + rows.setting.weight) + wander
+    value = np.linalg.norm(sliding_mean(rows.left_over[:, 3:], w), axis=1)
+    size = np.linalg.norm(rows.forces, axis=2).sum(axis=1) + rows.setting.weight
+    allowed = rows.setting.limits.consistency.press * size + moved_moment(rows)
     return over(on_body(rows, np.nan_to_num(value)), on_limit(rows, sliding_mean(allowed, w)))
 
 
@@ -108,7 +98,7 @@ def net_force(rows: Rows) -> FloatArray | None:
     """Return what the log says to act on the whole robot: (T, 3) [N]; None where it does not say."""
     if not rows.has("forces", "normals"):
         return None
-    out = np.einsum("tpij,tpj->ti", rows.frames, rows.forces)
+    out = step_of(rows, rows.world_forces.sum(axis=1))
     out += rows.setting.weight / GRAVITY * np.asarray(rows.log.facts.get("gravity", (0.0, 0.0, -GRAVITY)))
     if "wrench_applied" in rows.log:
         out += rows.numbers("wrench_applied")[:, :3]
@@ -124,21 +114,7 @@ def untimed(rows: Rows) -> FloatArray:
     """Return the forces that begin or end within their rows, nobody knows when: (T,) [N]."""
     if not rows.has("forces"):
         return np.zeros(rows.count)
-    loaded = rows.loaded
-    inside = loaded.copy()
-    inside[1:] &= loaded[:-1]
-    inside[:-1] &= loaded[1:]
-    return np.asarray((np.linalg.norm(rows.forces, axis=2) * (loaded & ~inside)).sum(axis=1))
-
-
-def spin(rows: Rows) -> FloatArray:
-    """Return the speed at which the fastest part turns, as far as the log tells: (T,) [rad/s]."""
-    return np.asarray(np.abs(_turns(rows)).max(axis=1, initial=0.0))
-
-
-def rigid(log: Log) -> bool:
-    """Return whether a log is that of one rigid body: its state has no joints."""
-    return {"q", "v"} <= set(log) and log["v"].shape[1] == RIGID and log["q"].shape[1] == RIGID + 1
+    return np.asarray((step_of(rows, np.linalg.norm(rows.forces, axis=2)) * edges(rows)).sum(axis=1))
 
 
 def uneven(log: Log, setting: Setting) -> str:
@@ -171,7 +147,7 @@ def _swing(rows: Rows) -> FloatArray:
     """Return what limbs on the log's lever accelerate by as they swing: (T,) [m/s²]; zero of one body."""
     if rigid(rows.log):
         return np.zeros(rows.count)
-    return rows.setting.limits.continuity.lever * spin(rows) ** 2
+    return rows.setting.limits.continuity.lever * turn_speed(rows) ** 2
 
 
 def _turned_within(rows: Rows) -> FloatArray:
@@ -183,23 +159,14 @@ def _turned_within(rows: Rows) -> FloatArray:
         return np.zeros(rows.count)
     arm = np.linalg.norm(rows.numbers("contact_positions") - rows.numbers("com")[:, None], axis=2)
     arm = np.where(rows.loaded, arm, 0.0).max(axis=0, initial=0.0).max(initial=0.0)
-    turn = spin(rows) * rows.dt
+    turn = turn_speed(rows) * rows.dt
     moment = rows.dt * arm * (_pushing(rows) - rows.setting.weight) / _mass(rows)
-    return np.asarray(turn * (0.5 * arm**2 * spin(rows) * turn + moment))
-
-
-def _turns(rows: Rows) -> FloatArray:
-    """Return the log's angular velocities: (T, k) [rad/s]; of slides their speeds [m/s]."""
-    if "v" not in rows.log:
-        return np.zeros((rows.count, 0))
-    v = rows.numbers("v")
-    free = v.shape[1] >= RIGID and ("q" not in rows.log or rows.log["q"].shape[1] == v.shape[1] + 1)
-    return v[:, 3:] if free else v
+    return np.asarray(turn * (0.5 * arm**2 * turn_speed(rows) * turn + moment))
 
 
 def _spin_change(rows: Rows) -> FloatArray:
     """Return the change of the fastest turn over each row: (T,) [rad/s]; zero of one body."""
-    turns = _turns(rows)
+    turns = turns_of(rows)
     if rigid(rows.log):
         return np.zeros(rows.count)
     change = np.abs(np.diff(turns, axis=0, append=turns[-1:]))

@@ -15,6 +15,7 @@ from surefoot.records.audit.limits import LIMITS
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.places import anew
 from surefoot.records.audit.rows import Measured, Rows, over, sliding_mean, sliding_sum
+from surefoot.records.audit.within_row import edges, rigid
 from surefoot.records.log import Log
 
 BASE = 7
@@ -30,7 +31,10 @@ def state(rows: Rows) -> Measured:
         limits = rows.setting.limits.continuity
         scale = levers(q, v, limits.lever)
         w = rows.window(limits.time)
-        off, step = np.abs(sliding_sum(slips, w)) * scale, np.abs(v) * scale * rows.dt[:, None]
+        speed = np.abs(v)
+        if free_base(q, v, rows.setting.limits.records.unit_quaternion):  # world's axes, where v has its own
+            speed[:, :3] = np.linalg.norm(v[:, :3], axis=1, keepdims=True)
+        off, step = np.abs(sliding_sum(slips, w)) * scale, speed * scale * rows.dt[:, None]
         # The trapezium may be half a change of velocity off, at most the highest step in the window; the rest
         # is drift.
         bound = limits.way + _highest(step, w) + limits.drift * sliding_sum(step, w)
@@ -46,8 +50,11 @@ def gap_rate(rows: Rows) -> Measured:
     up, w = rows.velocities[..., 2], rows.window(limits.gap_time)
     slips = gap_slips(rows.gaps, up, rows.dt, rows.setting.after)
     value = np.abs(sliding_sum(np.where(anew(rows), 0.0, slips), w))
+    if rows.log.facts.get("kind") == "recording":  # gaps of several points of a geom change places
+        value[:, [not rows.setting.single(k) for k in range(rows.points)]] = 0.0
     step = np.abs(up) * rows.dt[:, None]
-    return over(value, limits.gap + _highest(step, w) + limits.drift * sliding_sum(step, w))
+    touched = sliding_sum(np.where(edges(rows), _highest(step, 1), 0.0), w)
+    return over(value, limits.gap + _highest(step, w) + touched + limits.drift * sliding_sum(step, w))
 
 
 def no_plane(log: Log, setting: Setting) -> str:
@@ -58,8 +65,9 @@ def no_plane(log: Log, setting: Setting) -> str:
 def contact_velocity(rows: Rows) -> Measured:
     """Return how far contact velocities are from those of the robot's joints: (T, p) [m/s]."""
     rest, value, limit = rows.unexplained, np.zeros(rows.normal.shape), np.full(rows.normal.shape, np.inf)
-    if rest is not None:
-        own, after = np.einsum("tpji,tspj->stpi", rows.frames, rest.velocities)
+    moving = rest.velocities if rest is not None else _of_one_body(rows)
+    if moving is not None:
+        own, after = np.einsum("tpji,tspj->stpi", rows.frames, moving)
         limits = rows.setting.limits.continuity
         w, off = rows.window(limits.smooth), rows.velocities - own
         # a row may have the velocity before its force, after it, or a mean of both
@@ -71,6 +79,38 @@ def contact_velocity(rows: Rows) -> Measured:
         size = np.nan_to_num(np.linalg.norm(own, axis=-1))
         limit = limits.velocity + limits.velocity_share * _highest(size, w)
     return over(value, limit)
+
+
+def no_kinematics(log: Log, setting: Setting) -> str:
+    """Return why contact velocities cannot be held against the state; empty where they can.
+
+    One rigid body on ground that stands still needs no model.
+    """
+    if not setting.why_no_motion:
+        return ""
+    if not rigid(log) or "contact_positions" not in log or "normals" not in log:
+        return setting.why_no_motion
+    if setting.ground is None or any("more bodies move" in line for line in setting.notes):
+        return "what the body touches is not known to stand still"
+    return ""
+
+
+def _of_one_body(rows: Rows) -> FloatArray | None:
+    """Return the velocities of a rigid body's material at its contact points, see `UnexplainedForces`.
+
+    (T, 2, p, 3) before and after the step to the next row; None for what is not one body.
+    """
+    if not rigid(rows.log) or not rows.has("contact_positions", "normals"):
+        return None
+    q, v = rows.numbers("q"), rows.numbers("v")
+    R = rotation_from_quaternion(q[:, 3:BASE])
+    linear, angular = (np.einsum("tij,tj->ti", R, part) for part in (v[:, :3], v[:, 3:]))
+    arm = rows.numbers("contact_positions") - q[:, None, :3]
+    out = np.empty((rows.count, 2, *arm.shape[1:]))
+    for k, later in enumerate((0, 1)):
+        at = np.minimum(np.arange(rows.count) + later, rows.count - 1)
+        out[:, k] = linear[at, None] + np.cross(angular[at, None], arm)
+    return out
 
 
 def state_slips(

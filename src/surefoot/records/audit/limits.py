@@ -200,6 +200,13 @@ class RecordLimits(Settings):
         low=0.0,
         tuned=RIVALS + "0.001667 to 0.005",
     )
+    clear: float = setting(
+        3.0,
+        "-",
+        "ratio of two misfits from which the smaller one tells whose velocities a row has",
+        low=1.0,
+        tuned=VARIED + "3 to 3",
+    )
     join: float = setting(
         0.02, "s", "time between two violations that are one", low=0.0, tuned=VARIED + "0.0006667 to 0.06"
     )

@@ -16,7 +16,11 @@ from surefoot.records.audit.dynamics import MOTOR_FACTS
 from surefoot.records.audit.ground import ground_plane
 from surefoot.records.audit.laws import stated
 from surefoot.records.audit.limits import LIMITS, AuditLimits
+<<<<<<< HEAD
 from surefoot.records.audit.logged_robot import LoggedRobot, from_recording, from_robot
+=======
+from surefoot.records.audit.row_velocities import MEANS, forces_late, velocities_after
+>>>>>>> be48505488aa2354318cf0c6a9786b034fec4c64
 from surefoot.records.log import Log
 from surefoot.records.log.snapshot import point_names
 
@@ -63,6 +67,8 @@ class Setting:
     after
         Whether a row's contact velocities are those after its force has acted; else those before; None for
         means while it acts.
+    late
+        Whether a row's forces, and the momentum's rate, are those of the step that ended at its time.
     plane
         Whether the ground is known to be one plane, on which a gap changes as its contact moves.
     ground
@@ -90,6 +96,7 @@ class Setting:
     robot: LoggedRobot | None
     why_no_motion: str
     after: bool | None = False
+    late: bool = False
     plane: bool = False
     ground: FloatArray | None = None
     notes: tuple[str, ...] = field(default=())
@@ -153,6 +160,8 @@ def setting_of(log: Log, robot: Robot | None, limits: AuditLimits = LIMITS) -> S
                 f"the world declares a {name} of {value:.3g} {unit}: beyond {most:g} it hides anything; "
                 f"what helps is {REMEDIES[name]}"
             )
+    if log.facts.get("velocities") == "mean":
+        notes.append(MEANS)
     if any(soft):
         deep = "; that is soft: a stiffer contact would show more" if sinking > limits.records.deep else ""
         held = f"and {1e3 * stopping:.2g} mm until a sliding foot is held"
@@ -165,14 +174,24 @@ def setting_of(log: Log, robot: Robot | None, limits: AuditLimits = LIMITS) -> S
             f"the world declares itself soft: sinking to {1e3 * sinking:.2g} mm, creep to "
             f"{1e3 * creep:.2g} mm/s {held} count as lawful{deep}{swing}"
         )
+<<<<<<< HEAD
     model, why = _robot(log, robot, owner, doubts, limits.records.same_mass)
     plane = str(log.facts.get("terrain", "")).split(":")[0] in PLANES
     near = limits.consistency.place + sinking
     ground = ground_plane(log, 0.0 if plane else limits.consistency.shown, near)
+=======
+    model, why = _robot(log, robot, doubts, limits.records.same_mass)
+>>>>>>> be48505488aa2354318cf0c6a9786b034fec4c64
     weight = _weight(log, model, payload, notes, doubts)
+    terrain = str(log.facts.get("terrain", "")).split(":")[0]
+    plane, ground = terrain in PLANES, None
+    if plane or not terrain:
+        near = limits.consistency.place + sinking
+        share = 0.0 if plane else limits.consistency.shown
+        ground = ground_plane(log, share, near, limits.laws.loaded * weight)
     return Setting(
         names, owner, feet, weight, dt, sinking, creep, stopping, settling, payload, place, model, why,
-        _velocities_after(log, dt),
+        velocities_after(log, dt, limits.records.clear), forces_late(log, dt, weight),
         plane or ground is not None, ground, tuple(notes), tuple(doubts), limits,
     )  # fmt: skip
 
@@ -195,24 +214,6 @@ def _mean_creep(log: Log) -> float:
 def _deepest(log: Log) -> float:
     """Return how deep any contact of a log went [m]."""
     return max((-float(np.nanmin(p["gaps"], initial=0.0)) for p in log.chunks()), default=0.0)
-
-
-def _velocities_after(log: Log, dt: float) -> bool | None:
-    """Return whether a row's contact velocities carry its gap to the next row's: those after its force.
-
-    MuJoCo reports the velocities before the forces act, a time-stepping scheme those after. A gap that jumps
-    where a foot passes an edge moves both sums alike: each of its terms is the jump, give or take one step.
-    """
-    if log.facts.get("velocities") == "mean":
-        return None
-    if not {"gaps", "contact_velocities"} <= set(log.arrays) or dt <= 0.0:
-        return False
-    gaps, up = (np.asarray(log[name][: 1 << 16]) for name in ("gaps", "contact_velocities"))
-    change, way = np.diff(gaps, axis=0), dt * up[..., 2]
-    with np.errstate(invalid="ignore"):
-        off = [np.abs(change - w) for w in (way[1:], way[:-1])]
-    before, after = (float(one[np.isfinite(one)].sum()) for one in off)
-    return after < before
 
 
 def _feet(log: Log, count: int) -> tuple[tuple[str, ...], IntArray]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.base.arrays import BoolArray
-from surefoot.records.audit.ground import LEVEL
+from surefoot.records.audit.ground import LEVEL, MEASURED, on_ground
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.rows import Measured, Rows, over
 from surefoot.records.audit.within_row import fall
@@ -30,34 +30,49 @@ def gap_place(rows: Rows) -> Measured:
         # a point in the middle of what overlaps is half of its depth above where one on the foot is
         middle = np.where(rows.gaps < 0.0, 0.5, 1.0) * rows.gaps
         value = np.minimum(np.abs(along - rows.gaps), np.abs(along - middle))
-        value = np.where((np.abs(rows.numbers("normals") - height[:3]) < LEVEL).all(axis=2), value, 0.0)
+        plane = (np.abs(rows.numbers("normals") - height[:3]) < LEVEL).all(axis=2)
+        plane &= on_ground(rows.log, rows.points)
+        value = np.where(plane & ~too_far(rows), value, 0.0)
     return over(value, rows.setting.limits.consistency.place + softness)
 
 
 def jump(rows: Rows) -> Measured:
     """Return how far contact points jump from row to row, beyond what their velocities do: (T, p) [m]."""
+    from scipy.ndimage import maximum_filter1d
+
     place, dt = rows.numbers("contact_positions"), rows.dt[:, None]
     bend = np.zeros(rows.normal.shape)
     bend[1:-1] = np.linalg.norm(place[2:] - 2.0 * place[1:-1] + place[:-2], axis=2)
+    normals = rows.numbers("normals")
+    turned = (np.abs(np.diff(normals, axis=0)) > LEVEL).any(axis=2)  # it touches another face
+    bend[1:-1] = np.where(turned[1:] | turned[:-1], 0.0, bend[1:-1])
     change = np.linalg.norm(np.diff(rows.velocities, axis=0, append=rows.velocities[-1:]), axis=2)
-    around = np.maximum(change, np.maximum(np.roll(change, 1, axis=0), np.roll(change, -1, axis=0)))
-    allowed = ROLLS * around * dt + fall(rows) * dt**2
+    allowed = ROLLS * maximum_filter1d(change, 5, axis=0) * dt + fall(rows) * dt**2
     return over(bend, rows.setting.limits.consistency.jump + allowed)
 
 
 def anew(rows: Rows) -> BoolArray:
     """Return the steps to the next row over which a recorded contact point becomes another: (T, p)."""
     out = np.zeros(rows.normal.shape, dtype=bool)
+    if rows.has("gaps"):
+        far = too_far(rows)
+        out |= far
+        out[:-1] |= far[1:]
     if rows.log.facts.get("kind") != "recording" or "contact_positions" not in rows.log:
         return out
     place = rows.numbers("contact_positions")
     step = np.linalg.norm(np.diff(place, axis=0), axis=2)
     longest = np.maximum(np.vstack([step[:1], step[:-1]]), np.vstack([step[1:], step[-1:]]))
-    out[:-1] = step > rows.setting.limits.consistency.anew + longest
+    out[:-1] |= step > rows.setting.limits.consistency.anew + longest
     wide = np.linalg.norm(np.diff(place, n=2, axis=0), axis=2) > rows.setting.limits.consistency.anew
     out[:-2] |= wide
     out[1:-1] |= wide
     return out
+
+
+def too_far(rows: Rows) -> BoolArray:
+    """Return in which rows (T, p) gaps of a recording are only known to be wider than it measures."""
+    return np.asarray((rows.gaps > MEASURED) & (rows.log.facts.get("kind") == "recording"))
 
 
 def no_ground(log: Log, setting: Setting) -> str:

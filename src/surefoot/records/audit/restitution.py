@@ -31,7 +31,11 @@ def rebound(rows: Rows) -> Measured:
     limits = rows.setting.limits.rebound
     if rows.has("gaps"):
         loaded = loaded | (rows.gaps < 0.0)
-    value, taken = returned_work(rows.normal, rows.velocities[..., 2], dt, loaded, after)
+    up = rows.velocities[..., 2]
+    value, taken = returned_work(rows.normal, up, dt, loaded, after)
+    if after is None:  # what is said to be a mean may be either end of it
+        for end in (False, True):
+            value = np.minimum(value, returned_work(rows.normal, up, dt, loaded, end)[0])
     limit = np.maximum(limits.way * rows.setting.weight, limits.share * taken) + _unloading(rows)
     any_loaded = np.asarray(loaded.any(axis=1, keepdims=True))
     chain = _since_touchdown(_work(rows).sum(axis=1, keepdims=True), any_loaded)
@@ -61,16 +65,15 @@ def _unloading(rows: Rows) -> FloatArray:
         return np.zeros(rows.normal.shape)
     margin = np.asarray(rows.log.facts.get("contact_margin", np.zeros(rows.points)))
     depth = np.maximum(margin - rows.gaps, 0.0)
-    size = _peak_since_touchdown(rows.normal, rows.loaded) * _peak_since_touchdown(depth, rows.loaded)
+    size = _peak_since_touchdown(np.maximum(rows.normal, 0.0), rows.loaded) * _peak_since_touchdown(depth, rows.loaded)
     return np.broadcast_to((size * damped).sum(axis=1, keepdims=True), size.shape)
 
 
 def _peak_since_touchdown(values: FloatArray, loaded: BoolArray) -> FloatArray:
-    """Return the highest of (T, p) values since each contact was last without load."""
-    out, peak = np.zeros_like(values), np.zeros(values.shape[1])
-    for t in range(len(values)):
-        peak = out[t] = np.where(loaded[t], np.maximum(peak, values[t]), 0.0)
-    return out
+    """Return the highest of (T, p) values >= 0 since each contact was last without load."""
+    # each touch a storey higher than the one before: a running maximum then never looks back beyond it
+    storey = np.cumsum(~loaded, axis=0) * (float(values.max(initial=0.0)) + 1.0)
+    return np.asarray(np.maximum.accumulate(np.where(loaded, values, 0.0) + storey, axis=0) - storey)
 
 
 def _work(rows: Rows) -> FloatArray:

@@ -153,11 +153,48 @@ class Rows:
         return np.asarray(self.velocities * left[..., None])
 
     @cached_property
+    def unsure_way(self) -> FloatArray:
+        """(T, p) way along the ground that velocities leave open which are means over their rows [m].
+
+        Friction changes with the slip within such a row: of both only the means are known.
+        """
+        if self.setting.after is not None:
+            return np.zeros(self.normal.shape)
+        change = np.diff(self.velocities[..., :2], axis=0, append=self.velocities[-1:, :, :2])
+        return np.asarray(np.where(self.loaded, np.hypot(*np.moveaxis(change, -1, 0)), 0.0) * self.dt[:, None])
+
+    @cached_property
     def frames(self) -> FloatArray:
         """(T, p, 3, 3) contact frames (rotations) in world axes, from the ground's normals."""
         normals = self.numbers("normals")
         length = np.linalg.norm(normals, axis=-1, keepdims=True)
         return frames_on(np.where(length > 0.5, normals / np.maximum(length, 0.5), [0.0, 0.0, 1.0]))
+
+    @cached_property
+    def world_forces(self) -> FloatArray:
+        """(T, p, 3) forces in world axes [N]."""
+        return np.asarray((self.frames @ self.forces[..., None])[..., 0])
+
+    @cached_property
+    def left_over(self) -> FloatArray:
+        """(T, 6) wrench about the centre of mass that nothing in the log explains [N, N m], see `balance`.
+
+        Along what holds the root (a planar robot's bearings) it is zero.
+        """
+        com, facts, force = self.numbers("com"), self.log.facts, self.world_forces
+        out = self.numbers("momentum_rate").copy()
+        arm = self.numbers("contact_positions") - com[:, None]
+        out[:, :3] -= force.sum(axis=1) + self.setting.weight / GRAVITY * np.asarray(
+            facts.get("gravity", (0.0, 0.0, -GRAVITY))
+        )
+        out[:, 3:] -= np.cross(arm, force).sum(axis=1)
+        if "contact_moments" in self.log:
+            out[:, 3:] -= np.einsum("tpij,tpj->ti", self.frames, self.numbers("contact_moments"))
+        if "wrench_applied" in self.log:
+            out -= self.numbers("wrench_applied")
+        # A planar robot's bearings carry what they like: rows that are not free are projected out.
+        free = np.asarray(facts.get("free_wrenches", np.eye(6)))
+        return np.asarray(out @ free.T @ free)
 
     @cached_property
     def unexplained(self) -> UnexplainedForces | None:
@@ -169,7 +206,7 @@ class Rows:
         arrays = {name: self.numbers(name) for name in _MOTION if name in log}
         clean = Log({**arrays, "time": time}, log.facts, channels=log.channels)
         with np.errstate(all="ignore"):
-            world = np.einsum("tpij,tpj->tpi", self.frames, self.forces)
+            world = self.world_forces
             load = self.setting.payload
             mass = self.setting.weight / (GRAVITY * (robot.mass + load))
             out = unexplained(robot, clean, world, mass, load, self.setting.payload_position, limits.sticking)

@@ -6,11 +6,17 @@ freely for an unknown share of it has a velocity that is known to half of g dt, 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from surefoot.base.arrays import FloatArray
+from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.spatial import GRAVITY
 from surefoot.records.audit.rows import Rows
+from surefoot.records.log import Log
+
+RIGID = 6
+"""Velocity components of a body that has no joints."""
 
 
 def fall(rows: Rows) -> float:
@@ -31,3 +37,51 @@ def way_to_touch(rows: Rows) -> FloatArray:
     else:
         nearing = np.maximum(-np.diff(rows.gaps, axis=0, prepend=rows.gaps[:1]), 0.0)
     return np.asarray(nearing + fall(rows) * dt**2)
+
+
+def edges(rows: Rows) -> BoolArray:
+    """Return over which rows' steps loads begin or end, nobody knows when: loaded, but not on both sides."""
+    loaded = rows.loaded
+    inside = loaded.copy()
+    inside[1:] &= loaded[:-1]
+    inside[:-1] &= loaded[1:]
+    return step_of(rows, loaded & ~inside)
+
+
+def step_of(rows: Rows, values: Any) -> Any:
+    """Return (T, ...) values of forces at the rows whose steps they act in: a row earlier where they are late."""
+    return np.concatenate([values[1:], values[-1:]]) if rows.setting.late else values
+
+
+def moved_moment(rows: Rows) -> FloatArray:
+    """Return what a turn within a row makes of the contacts' moments about the centre of mass: (T,) [N m].
+
+    The body turns by w h, and its contact points with it. Where forces are means over the row, they are so at
+    means of places: weight and contacts go on meanwhile.
+    """
+    com, place = rows.numbers("com"), rows.numbers("contact_positions")
+    size = np.linalg.norm(rows.forces, axis=2)
+    out = (size * np.linalg.norm(place - com[:, None], axis=2)).sum(axis=1) * turn_speed(rows) * rows.dt
+    if rows.setting.after is None:
+        went, wandered = (np.linalg.norm(np.gradient(part, axis=0), axis=-1) for part in (com, place))
+        out = out + (size.sum(axis=1) + rows.setting.weight) * went + (size * wandered).sum(axis=1)
+    return np.asarray(out)
+
+
+def turn_speed(rows: Rows) -> FloatArray:
+    """Return the speed at which the fastest part turns, as far as the log tells: (T,) [rad/s]."""
+    return np.asarray(np.abs(turns_of(rows)).max(axis=1, initial=0.0))
+
+
+def turns_of(rows: Rows) -> FloatArray:
+    """Return the log's angular velocities: (T, k) [rad/s]; of slides their speeds [m/s]."""
+    if "v" not in rows.log:
+        return np.zeros((rows.count, 0))
+    v = rows.numbers("v")
+    free = v.shape[1] >= RIGID and ("q" not in rows.log or rows.log["q"].shape[1] == v.shape[1] + 1)
+    return v[:, 3:] if free else v
+
+
+def rigid(log: Log) -> bool:
+    """Return whether a log is that of one rigid body: its state has no joints."""
+    return {"q", "v"} <= set(log) and log["v"].shape[1] == RIGID and log["q"].shape[1] == RIGID + 1

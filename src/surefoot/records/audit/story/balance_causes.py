@@ -138,7 +138,12 @@ def pull_at_rest(s: Signals) -> FloatArray | None:
 
 
 def wrong_mass(s: Signals) -> Iterator[Sign]:
-    """Yield that a body at rest is pushed from the start by torques that fit another body."""
+    """Yield that the controller says so, or that torques for another body push one at rest from the start."""
+    believed = s.log.facts.get("mass_controller")
+    if believed is not None and abs(float(believed) - s.mass) > s.limits.payload * s.mass:
+        words = f"the controller believes in {float(believed):.3g} kg, there are {s.mass:.3g}"
+        yield Sign(float(s.time[0]), s.base, words, 1.0)
+        return
     pull = pull_at_rest(s)
     if pull is None:
         return
