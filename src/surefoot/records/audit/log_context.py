@@ -16,11 +16,8 @@ from surefoot.records.audit.dynamics import MOTOR_FACTS
 from surefoot.records.audit.ground import ground_plane
 from surefoot.records.audit.laws import stated
 from surefoot.records.audit.limits import LIMITS, AuditLimits
-<<<<<<< HEAD
 from surefoot.records.audit.logged_robot import LoggedRobot, from_recording, from_robot
-=======
 from surefoot.records.audit.row_velocities import MEANS, forces_late, velocities_after
->>>>>>> be48505488aa2354318cf0c6a9786b034fec4c64
 from surefoot.records.log import Log
 from surefoot.records.log.snapshot import point_names
 
@@ -174,14 +171,7 @@ def setting_of(log: Log, robot: Robot | None, limits: AuditLimits = LIMITS) -> S
             f"the world declares itself soft: sinking to {1e3 * sinking:.2g} mm, creep to "
             f"{1e3 * creep:.2g} mm/s {held} count as lawful{deep}{swing}"
         )
-<<<<<<< HEAD
     model, why = _robot(log, robot, owner, doubts, limits.records.same_mass)
-    plane = str(log.facts.get("terrain", "")).split(":")[0] in PLANES
-    near = limits.consistency.place + sinking
-    ground = ground_plane(log, 0.0 if plane else limits.consistency.shown, near)
-=======
-    model, why = _robot(log, robot, doubts, limits.records.same_mass)
->>>>>>> be48505488aa2354318cf0c6a9786b034fec4c64
     weight = _weight(log, model, payload, notes, doubts)
     terrain = str(log.facts.get("terrain", "")).split(":")[0]
     plane, ground = terrain in PLANES, None

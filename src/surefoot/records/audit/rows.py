@@ -161,7 +161,9 @@ class Rows:
         if self.setting.after is not None:
             return np.zeros(self.normal.shape)
         change = np.diff(self.velocities[..., :2], axis=0, append=self.velocities[-1:, :, :2])
-        return np.asarray(np.where(self.loaded, np.hypot(*np.moveaxis(change, -1, 0)), 0.0) * self.dt[:, None])
+        return np.asarray(
+            np.where(self.loaded, np.hypot(*np.moveaxis(change, -1, 0)), 0.0) * self.dt[:, None]
+        )
 
     @cached_property
     def frames(self) -> FloatArray:
