@@ -29,6 +29,7 @@ import numpy as np
 
 from benchmarks.audit import judge
 from benchmarks.limit_cases.command_cases import command_cases
+from benchmarks.limit_cases.consistency_cases import consistency_cases
 from benchmarks.limit_cases.contact_time_cases import contact_time_cases
 from benchmarks.limit_cases.friction_cases import friction_cases
 from benchmarks.limit_cases.law_cases import law_cases
@@ -139,7 +140,10 @@ def cases(runs: int, clean: int, keep: Path | None) -> list[Case | Verdict]:
 def made_cases(logs: CleanLogs) -> Iterator[Verdict]:
     """Yield the cases of `benchmarks.limit_cases`, from the clean runs by number."""
     yield from run_cases(logs)
-    for some in (contact_time_cases, law_cases, friction_cases, command_cases, symptom_cases, rival_cases):
+    for some in (
+        contact_time_cases, law_cases, consistency_cases, friction_cases, command_cases, symptom_cases,
+        rival_cases,
+    ):  # fmt: skip
         yield from some()
     yield from robot_cases(logs)
     yield from measured_cases(logs)

@@ -155,9 +155,9 @@ def _rebounds() -> Iterator[Verdict]:
     yield keeps("a lawful ball whose gap is measured", why, made.log(), "restitution")
 
 
-def ball(restitution: float, dt: float) -> Made:
-    """Return a ball of 1 kg that falls from 0.3 m, with the velocities after each row's impulse."""
-    g, z, v, rows = GRAVITY, 0.3, 0.0, list[tuple[float, float, float]]()
+def ball(restitution: float, dt: float, height: float = 0.3) -> Made:
+    """Return a ball of 1 kg that falls from a height [m], with the velocities after each row's impulse."""
+    g, z, v, rows = GRAVITY, height, 0.0, list[tuple[float, float, float]]()
     for _ in range(round(1.5 / dt)):
         free = v - g * dt
         lands = z + dt * free < 0.0

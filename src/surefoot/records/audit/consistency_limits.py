@@ -72,17 +72,3 @@ class ConsistencyLimits(Settings):
         high=1.0,
         tuned=VARIED + "0.8 to 0.8",
     )
-    on_foot: float = setting(
-        5e-3,
-        "m",
-        "way by which contact points may be beside their feet",
-        low=0.0,
-        tuned=VARIED + "0.005 to 0.005",
-    )
-    by_joints: float = setting(
-        0.02,
-        "m/s",
-        "velocity by which momentum may be beside that of the joints",
-        low=0.0,
-        tuned=VARIED + "0.02 to 0.02",
-    )
