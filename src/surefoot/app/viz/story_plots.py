@@ -121,7 +121,7 @@ def _draw_robots(axis: Any, s: Signals, setting: Setting, moments: list[tuple[fl
 
         def at(points: FloatArray, place: int = place, centre: FloatArray = centre) -> FloatArray:
             flat = np.stack([points @ forward, points @ s.up], axis=-1) - centre
-            return flat / size + np.array([place + 0.5, 0.0])
+            return np.asarray(flat / size + np.array([place + 0.5, 0.0]))
 
         axis.add_patch(_ground(s, row, at))
         if setting.robot is not None:
@@ -146,7 +146,7 @@ def _heading(s: Signals) -> FloatArray:
     size = float(np.linalg.norm(far))
     if size > 1e-6:
         return np.asarray(far / size)
-    return np.cross(s.up, np.eye(3)[int(np.abs(s.up).argmin())])
+    return np.asarray(np.cross(s.up, np.eye(3)[int(np.abs(s.up).argmin())]))
 
 
 def _ground(s: Signals, row: int, at: Any) -> Any:

@@ -29,6 +29,8 @@ from surefoot.records.log.reading import read_log
 FINITE, CLOCK = "finite", "clock"
 """What is asked of the log itself before any law: numbers that are finite, and time that goes on."""
 _FAULTS = (FINITE, CLOCK)
+OF_ONE_MASS = ("motion", "acceleration", "centre of mass", "momentum")
+"""Laws that take the robot to have one mass; `balance` knows of weight that is put on."""
 NEEDED = ("pull", "penetration", "distance", "friction")
 """Laws without which no log is called lawful: unilateral contact and Coulomb's cone."""
 
@@ -121,6 +123,8 @@ def _coverage(log: Log, setting: Setting) -> dict[str, str]:
         if not setting.names:  # what never touches anything is judged by its momentum
             free = "momentum_rate" in log and not missing
             why = "" if check.name == "balance" and free else "the log has no contacts"
+        if not why and check.name in OF_ONE_MASS and "mass" in log.facts.get("change_kind", ()):
+            why = "the loop changed masses of its model"
         out[check.name] = why or check.doubt(log, setting)
     return out
 

@@ -188,7 +188,7 @@ def setting_of(log: Log, robot: Robot | None, limits: AuditLimits = LIMITS) -> S
 
 def _by_row(log: Log) -> bool:
     """Return whether a log has row by row what its soft friction creeps, and how fast it brakes."""
-    return "contact_creep" in log and "contact_damping" in log.facts
+    return {"contact_creep", "forces"} <= set(log.arrays) and "contact_damping" in log.facts
 
 
 def _mean_creep(log: Log) -> float:

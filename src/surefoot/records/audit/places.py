@@ -53,7 +53,7 @@ def jump(rows: Rows) -> Measured:
 
 def anew(rows: Rows) -> BoolArray:
     """Return the steps to the next row over which a recorded contact point becomes another: (T, p)."""
-    out = np.zeros(rows.normal.shape, dtype=bool)
+    out = np.zeros((rows.count, rows.points), dtype=bool)
     if rows.has("gaps"):
         far = too_far(rows)
         out |= far

@@ -178,7 +178,7 @@ class TreeForces:
         out = tree.wrench(data, self._times_mass(data, rate) + data.qfrc_bias)
         weight = np.zeros(6)
         if tree.free is not None:
-            weight[:3] = tree.mass * model.opt.gravity
+            weight[:3] = tree.mass * model.opt.gravity + self._gained_weight()
             out += tree.free.T @ (tree.free @ weight)
         return out
 

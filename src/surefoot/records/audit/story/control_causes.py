@@ -63,13 +63,16 @@ def _gone(s: Signals, k: int, name: str, largest: float) -> Sign | None:
         return None
     row = int(len(zero) - np.argmin(zero[::-1]))
     # who gives nothing now and then may do so on purpose
-    if (len(zero) - row) * s.dt < 2.0 * s.limits.brief or zero[:row].mean() > 1.0 - s.limits.weaker:
+    begun = int(s.loaded.any(axis=1).argmax())
+    idle = float(zero[begun:row].mean()) if row > begun else 1.0
+    if (len(zero) - row) * s.dt < 2.0 * s.limits.brief or idle > 1.0 - s.limits.weaker:
         return None
     carried = float(np.sqrt(np.mean(torque[:row] ** 2)))
     just_before = torque[max(row - s.rows(s.limits.brief), 0) : row]
     if np.abs(just_before).max() < 1e-3 * carried:
         return None  # it came to rest
-    return Sign(float(s.time[row]), name, f"{name} carried {carried:.3g} N m and gives nothing any more", 1.0)
+    words = f"{name} carried {carried:.3g} N m and gives nothing any more"
+    return Sign(float(s.time[row]), name, words, carried / max(largest, 1e-9))
 
 
 def saturated(s: Signals) -> Iterator[Sign]:
@@ -108,10 +111,10 @@ def delayed(s: Signals) -> Iterator[Sign]:
         return
     # what is asked for answers the state also while the motor is at its limit
     free = np.ones(q.shape, dtype=bool) if "torques_commanded" in s else ~at_limit(s)
-    changes = [np.diff(signal, axis=0) for signal in (s.asked, q, v)]
+    torque, place, speed = (np.diff(signal, axis=0) for signal in (s.asked, q, v))
 
     def left(lag: int) -> float:
-        return _unexplained(*changes, free[1:], lag, longest)
+        return _unexplained(torque, place, speed, free[1:], lag, longest)
 
     coarse = range(0, longest + 1, max(1, s.rows(COARSE)))
     near = min(coarse, key=left)

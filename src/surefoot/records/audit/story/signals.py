@@ -84,7 +84,9 @@ class Signals:
         """(T,) angle of the base's up axis from where it was at first [rad]; zero without a free base."""
         if not self.floating:
             return np.zeros(len(self.time))
-        up = rotation_from_quaternion(self.numbers("q")[:, 3:7])[:, :, 2]
+        turn = self.numbers("q")[:, 3:7]
+        turn[~turn.any(axis=1)] = turn[0]  # what was NaN
+        up = rotation_from_quaternion(turn)[:, :, 2]
         return np.asarray(np.arccos(np.clip(up @ up[0], -1.0, 1.0)))
 
     @cached_property

@@ -11,6 +11,8 @@ from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.story.told import Cause, Event, Story
 from surefoot.records.log import Log
 
+MOST_PLACES = 4
+"""Places of a cause that are named."""
 MOST_ROWS = 200_000
 """Rows that a story is read from: of a longer log the last."""
 
@@ -63,10 +65,20 @@ def _order(found: list[tuple[Rule, Sign]], s: Signals, failed: Event | None) -> 
             (rule, sign) for rule, sign in left if rule.residual
         ]
     left.sort(key=lambda one: (one[0].residual, _rank(one, s)))
-    out: dict[str, tuple[Rule, Sign]] = {}
-    for rule, sign in left:
-        out.setdefault(rule.name, (rule, sign))
-    return list(out.values())
+    names = dict.fromkeys(rule.name for rule, _ in left)
+    return [_joined([one for one in left if one[0].name == name], s) for name in names]
+
+
+def _joined(same: list[tuple[Rule, Sign]], s: Signals) -> tuple[Rule, Sign]:
+    """Return the first of the signs of a cause, the strongest of what begins with it, with all their places."""
+    rule, first = same[0]
+    near = [sign for _, sign in same if sign.time - first.time <= s.limits.brief]
+    near.sort(key=lambda sign: -sign.strength)
+    places = list(dict.fromkeys(sign.where for sign in near))
+    more = f"; so do {len(places) - 1} more" if len(places) > 1 else ""
+    best = near[0]
+    where = ", ".join(places[:MOST_PLACES])
+    return rule, Sign(first.time, where, best.evidence + more, best.strength)
 
 
 def _rank(one: tuple[Rule, Sign], s: Signals) -> tuple[float, bool]:

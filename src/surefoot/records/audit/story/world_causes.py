@@ -168,10 +168,13 @@ def soft(s: Signals) -> Iterator[Sign]:
         most = min(most, 0.1 * max(abs(s.height), 0.01))
     deep = s.loaded & (s.gaps < -most)
     for k in range(deep.shape[1]):
-        row = s.first(deep[:, k], s.rows(0.5 * s.limits.brief))
+        # a hard landing goes deep for a moment in any soft contact
+        row = s.first(deep[:, k], s.rows(1.5 * s.limits.brief))
+        if row is None:
+            row = s.first(deep[:, k] & (s.gaps[:, k] < -3.0 * most))
         if row is not None:
-            most = -1e3 * float(s.gaps[:, k].min())
-            yield Sign(float(s.time[row]), s.links[k], f"it sinks {most:.0f} mm into the ground", most / 1e3)
+            way = -1e3 * float(s.gaps[:, k].min())
+            yield Sign(float(s.time[row]), s.links[k], f"it sinks {way:.0f} mm into the ground", way / 1e3)
 
 
 def self_collision(s: Signals) -> Iterator[Sign]:
