@@ -91,8 +91,8 @@ class Rows:
 
     @cached_property
     def forces(self) -> FloatArray:
-        """(T, p, 3) contact frames [N]."""
-        return self.numbers("forces")
+        """(T, p, 3) contact frames [N]; zero where the log has none: laws that need them are not judged."""
+        return self.numbers("forces") if "forces" in self.log else np.zeros((self.count, self.points, 3))
 
     @cached_property
     def normal(self) -> FloatArray:

@@ -206,7 +206,8 @@ class Signals:
     @cached_property
     def asked(self) -> FloatArray:
         """(T, joints) torques that were asked for, the given ones where the log has no other [N m, N]."""
-        return self.numbers("torques_commanded") if "torques_commanded" in self else self.torques
+        asked = self.numbers("torques_commanded") if "torques_commanded" in self else self.torques
+        return asked if asked.shape == self.torques.shape else self.torques
 
     @cached_property
     def torque_limits(self) -> FloatArray:
