@@ -23,6 +23,8 @@ START, REACH = 0.36, 0.72
 """Where the box is at first, and how far the wrist comes [m]."""
 LINKS_MASS, STRAIGHT = 3.6, 0.06
 """Of the arm without what the hand holds [kg], and the elbow's angle at its stop [rad]."""
+TABLE = "0.025 1"
+"""The table's solref: with a harder one the box rattles against the hand."""
 NEAR = 0.035
 """The box is at its goal within this [m]."""
 JOINTS = ("pan", "lift", "fold", "drop")
@@ -53,7 +55,7 @@ class PusherSettings:
     duration: float = 3.0
     timestep: float = 0.002
     delay: float = 0.0
-    ground: Ground = field(default_factory=lambda: Ground(mu=0.4))
+    ground: Ground = field(default_factory=lambda: Ground(mu=0.4, solref=TABLE))
     goal: float = 0.56
     side: float = 0.0
     arrive: float = 2.2
@@ -92,7 +94,7 @@ def mjcf(settings: PusherSettings) -> str:
 <geom name='rod' type='capsule' size='.02' fromto='.02 0 0 {FORE - 0.02} 0 0' mass='.8'/>
 <body name='hand' pos='{FORE} 0 0'><joint name='drop' axis='0 1 0'/>
 <geom name='stem' type='capsule' size='.01' fromto='0 0 0 0 0 -{HAND - 0.03}' mass='{s.tool}'/>
-<geom name='pad' type='box' size='.02 .05 .03' pos='0 0 -{HAND}' mass='.1' friction='.6' condim='4'/>
+<geom name='pad' type='box' size='.02 .05 .03' pos='0 0 -{HAND}' mass='.1' friction='.05' priority='2'/>
 </body></body></body></body>
 <body name='parcel' pos='{box[0]} {box[1]} {box[2]}' euler='0 {s.ground.slope} 0'>
 <freejoint name='parcel_free'/>
@@ -187,5 +189,5 @@ def vary(rng: np.random.Generator) -> PusherSettings:
         arrive=float(rng.uniform(1.9, 2.4)),
         box_mass=float(rng.uniform(1.0, 1.5)),
         watched="post" if rng.random() < 0.5 else "parcel",
-        ground=Ground(mu=float(rng.uniform(0.35, 0.5))),
+        ground=Ground(mu=float(rng.uniform(0.35, 0.5)), solref=TABLE),
     )

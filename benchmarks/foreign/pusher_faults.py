@@ -21,7 +21,7 @@ from benchmarks.foreign.injections import (
     weak_motors,
     wrong_frame,
 )  # fmt: skip
-from benchmarks.foreign.pusher import HALF
+from benchmarks.foreign.pusher import HALF, TABLE
 
 LINKS = {
     "pan": ("post", "turret"),
@@ -60,12 +60,17 @@ def steep(rng: Rng) -> Fault:
     """Draw a failure: a table on which the box does not stay."""
     mu = between(rng, 0.15, 0.35)
     slope = np.arctan(mu) + between(rng, 0.04, 0.12)
-    return Fault("slope too steep", settings={"ground": Ground(mu=mu, slope=float(slope)), **PARCEL})
+    return Fault(
+        "slope too steep", settings={"ground": Ground(mu=mu, slope=float(slope), solref=TABLE), **PARCEL}
+    )
 
 
 def slippery(rng: Rng) -> Fault:
     """Draw a failure: the box glides on when the hand brakes."""
-    settings = {"ground": Ground(mu=between(rng, 0.005, 0.03)), "arrive": between(rng, 0.7, 1.0)}
+    settings = {
+        "ground": Ground(mu=between(rng, 0.005, 0.03), solref=TABLE),
+        "arrive": between(rng, 0.7, 1.0),
+    }
     return Fault("slippery ground", settings={**settings, **PARCEL})
 
 
