@@ -221,7 +221,8 @@ class Signals:
     @cached_property
     def joints(self) -> tuple[str, ...]:
         """(joints,) names."""
-        return self.texts("joints") or tuple(f"joint {k}" for k in range(self.torques.shape[1]))
+        names, count = self.texts("joints"), self.torques.shape[1]
+        return names if len(names) == count else tuple(f"joint {k}" for k in range(count))
 
     @cached_property
     def joint_state(self) -> tuple[FloatArray, FloatArray]:
