@@ -5,6 +5,7 @@ from .app.export import export_sequence as export_sequence
 from .app.export import read_sequence as read_sequence
 from .app.export import sequence_from_log as sequence_from_log
 from .app.export import write_sequence as write_sequence
+from .app.viz.picture import picture as picture
 from .base.errors import ProblemError as ProblemError
 from .base.errors import SurefootError as SurefootError
 from .contact.batch import solve_batch as solve_batch

@@ -90,7 +90,7 @@ def audit(
         folder = new_run_folder(out, f"audit-{log.stem}")
         (folder / "audit.json").write_text(to_json(facts) + "\n", encoding="utf-8")
         why = "Why", paragraph(str(report.story))
-        sections = [why, _picture(read, report, folder), *report_sections(tables, lines)]
+        sections = [why, _story(report, folder), _picture(read, report, folder), *report_sections(tables, lines)]
         page = write_page(folder / "report.html", f"Audit of {log.name}", verdicts, sections)
         say(console, f"report: {page}")
     return report.exit_code or (0 if again is None or again.survives else 1)
@@ -175,6 +175,18 @@ def _lines(log: Log, report: AuditReport) -> list[str]:
     made = [f"computed: {line}" for line in log.facts.get("computed", ())]
     hidden = len(report.violations) - MOST + sum(report.more.values())
     return [*made, *report.notes, *([f"and {hidden} violations more"] if hidden > 0 else [])]
+
+
+def _story(report: AuditReport, folder: Path) -> tuple[str, str]:
+    """Draw the story into the folder; return the page's section of the picture, or of why there is none."""
+    from surefoot.app.viz.report import paragraph, picture
+
+    try:
+        from surefoot.app.viz.story_plots import draw_story
+
+        return "What happened", picture(draw_story(report, folder / "story.png"))
+    except MissingExtra as error:
+        return "What happened", paragraph(f"picture left out: {error}")
 
 
 def _picture(log: Log, report: AuditReport, folder: Path) -> tuple[str, str]:
