@@ -51,7 +51,7 @@ def with_settings(fault: Fault, settings: Mapping[str, Any]) -> Fault:
 def saturated(rng: Rng) -> Fault:
     """Draw a failure: servos too weak for a heavy box, or for the arm."""
     if rng.random() < 0.5:
-        heavy = {"box_mass": between(rng, 5.0, 8.0), "limit": between(rng, 9.0, 12.0)}
+        heavy = {"box_mass": between(rng, 6.0, 9.0), "limit": between(rng, 6.5, 9.5)}
         return Fault("saturated actuator", EVERY, settings={**heavy, **ARM})
     return with_settings(derated_motors((), EVERY, between(rng, 2.0, 6.0), between(rng, 0.6, 1.4)), ARM)
 

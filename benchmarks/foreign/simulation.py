@@ -16,7 +16,7 @@ from surefoot.records import Log
 
 AFTER = 0.4
 """Time that a run goes on after its failure [s]."""
-MOST_ATTEMPTS = 40
+MOST_ATTEMPTS = 100
 """Largest number of draws of a seed until one fails."""
 
 
