@@ -100,7 +100,11 @@ SPEED_LIMITS = SpeedLimitSettings()
 class GaitChoiceSettings(Settings):
     """When `auto` walks, and how long feet of a hurried gait carry at least."""
 
-    walks_below: float = setting(0.12, "sqrt(g h)", "speed up to which `auto` walks; it trots above", low=0.0)
+    walks_below: float = setting(
+        0.12, "sqrt(g h)", "speed up to which `auto` walks; it trots above", low=0.0,
+        tuned="`surefoot bench ablation --vary GaitChoiceSettings.walks_below --factor 20 "
+        "--task auto-fast --seeds 3`, 2026-11-26: as good from 0.006 to 0.12",
+    )  # fmt: skip
     hysteresis: float = setting(
         0.15, "-", "share by which that speed must be passed before the gait changes", low=0.0, high=1.0
     )
