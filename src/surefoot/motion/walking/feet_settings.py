@@ -135,8 +135,10 @@ class FeetSettings(Settings):
     """When footholds freeze, how feet come down, and how swings over learned ground differ."""
 
     freeze: float = setting(
-        0.75, "-", "share of the swing after which the foothold stays where it is", low=0.0, high=1.0
-    )
+        0.75, "-", "share of the swing after which the foothold stays where it is", low=0.0, high=1.0,
+        tuned="`surefoot bench ablation --vary FeetSettings.freeze --factor 20 "
+        "--task shoved --seeds 3`, 2026-11-26: as good from 0.75 to 1",
+    )  # fmt: skip
     freeze_rough: float = setting(
         0.4, "-",
         "share of the swing after which the foothold changes ever less where the path must clear edges",
@@ -162,7 +164,11 @@ class FeetSettings(Settings):
         tuned="`surefoot bench ablation --vary FeetSettings.search_fast --factor 20 "
         "--task rough --seeds 3`, 2026-11-25: as good from 0.04 to 0.8",
     )  # fmt: skip
-    search_speed: float = setting(0.4, "sqrt(g h)", "largest speed of a late foot on unknown ground", low=0.0)
+    search_speed: float = setting(
+        0.4, "sqrt(g h)", "largest speed of a late foot on unknown ground", low=0.0,
+        tuned="`surefoot bench ablation --vary FeetSettings.search_speed --factor 20 "
+        "--task drop --seeds 3`, 2026-11-26: as good from 0.02 to 0.4",
+    )  # fmt: skip
     same_tread: float = setting(
         2.0,
         "radii",

@@ -93,7 +93,11 @@ class BipedSettings(Settings):
         "5 of 6 fall with 1, which may be chance",
     )  # fmt: skip
     mpc_steps: int = setting(20, "-", "MPC steps in a cycle of the gait", low=1)
-    preview: float = setting(2.4, "s", "time over which the footsteps ahead shape the reference", low=0.0)
+    preview: float = setting(
+        2.4, "s", "time over which the footsteps ahead shape the reference", low=0.0,
+        tuned="`surefoot bench ablation --vary BipedSettings.preview --factor 20 "
+        "--task g1-step --seeds 6`, 2026-11-26: as good from 2.4 to 48",
+    )  # fmt: skip
     plan_interval: float = setting(0.02, "s", "longest time between plans", low=0.0)
     capture: float = setting(
         0.9, "-", "share of the predicted divergence at touchdown that moves the foothold", low=0.0
