@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Mapping
 from dataclasses import Field
 from typing import Any
 
 from surefoot.base.settings import Settings
+
+MODULES = ("walking.walking_controller", "walking.biped.walking", "ground.elevation_map")
+"""Of `surefoot.motion`: with them all settings of walking are made; some wait for a robot or a map."""
+
+
+def make_settings() -> None:
+    """Import what makes all settings of walking."""
+    for name in MODULES:
+        importlib.import_module(f"surefoot.motion.{name}")
 
 
 class Changes:

@@ -7,12 +7,12 @@ carried out in turn until one is worse, and values on either side of the setting
 
 from __future__ import annotations
 
-import importlib
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from benchmarks.ablation.changes import make_settings
 from benchmarks.ablation.comparing import Comparison, Records, compare
 from benchmarks.ablation.parts import CLASS_TASKS, USUAL_TASKS
 from benchmarks.ablation.trials import Change, Trials
@@ -100,8 +100,7 @@ class Tried:
 
 def known_settings() -> Known:
     """Return the settings of walking."""
-    importlib.import_module("surefoot.motion.walking.walking_controller")
-    importlib.import_module("surefoot.motion.walking.biped.walking")
+    make_settings()
     return {
         f"{owner.__name__}.{one.name}": Setting(f"{owner.__name__}.{one.name}", one.value, one.info)
         for owner in Settings.__subclasses__()

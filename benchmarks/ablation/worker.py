@@ -10,7 +10,7 @@ import json
 import sys
 from typing import Any
 
-from benchmarks.ablation.changes import Changes
+from benchmarks.ablation.changes import Changes, make_settings
 
 
 def main(words: list[str]) -> None:
@@ -20,6 +20,7 @@ def main(words: list[str]) -> None:
     changes = Changes(given["changes"] | lists)
     from benchmarks.ablation.walked import carry_out_task
 
+    make_settings()
     changes.check()
     for task in given["tasks"]:
         for seed in given["seeds"]:

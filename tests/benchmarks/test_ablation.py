@@ -13,7 +13,7 @@ from benchmarks.ablation.changes import Changes
 from benchmarks.ablation.comparing import compare, difference, sign_test
 from benchmarks.ablation.parts import CLASS_TASKS, PARTS, TASKS, USUAL_TASKS, choose_parts
 from benchmarks.ablation.trials import Change, Trials, run_trials
-from benchmarks.ablation.varying import Setting, Tried, find_settings, try_values, verdict
+from benchmarks.ablation.varying import Setting, Tried, find_settings, known_settings, try_values, verdict
 from benchmarks.ablation.walked import behaviour_name
 from surefoot.base.errors import ProblemError
 from surefoot.base.settings import Settings, setting
@@ -170,6 +170,17 @@ def test_changes_reach_classes_that_are_made_afterwards() -> None:
 
     changes.check()
     assert (Gains().stiffness, Gains().damping) == (3.0, 1.0)
+
+
+def test_a_process_of_trials_can_change_every_setting_that_the_page_counts() -> None:
+    from docs.settings import rows_of, settings_classes
+
+    owners = [one for one in settings_classes() if one.__module__.startswith("surefoot.motion.")]
+    counted = {f"{owner.__name__}.{name}" for owner in owners for name, _, _ in rows_of(owner)}
+    known = known_settings()
+    assert set(known) == counted
+    changes = {name: one.value for name, one in known.items() if not isinstance(one.value, str)}
+    assert list(run_trials(Change("all as they are", changes=changes), [], [])) == []
 
 
 @pytest.mark.long

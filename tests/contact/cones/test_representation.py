@@ -160,6 +160,19 @@ def test_self_check_sees_wrong_representations():
     assert representation_gap(-good.halfspaces, good.rays) > 0.1
 
 
+def test_a_cone_that_no_linear_program_can_tell_about_is_taken_for_its_whole_space(monkeypatch):
+    import scipy.optimize
+
+    angles = np.radians(np.linspace(0.0, 179.0, 10))  # nearly a half-plane: the mean does not show its axis
+    rays = np.column_stack([np.cos(angles), np.sin(angles)])
+    assert len(convert(rays)[0]) == 2
+    failed = scipy.optimize.OptimizeResult(x=None, status=4)
+    monkeypatch.setattr(scipy.optimize, "linprog", lambda *_, **__: failed)
+    rows, kept = convert(rays)
+    assert rows.shape == (0, 2)
+    assert kept.tolist() == list(range(10))
+
+
 def test_unknown_method_and_bad_rays_are_named():
     with pytest.raises(ProblemError, match="cdd, qhull"):
         PolyhedralCone.from_rays(np.eye(2), "magic")

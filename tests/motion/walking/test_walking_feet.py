@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from surefoot.base.arrays import BoolArray
-from surefoot.mechanics.terrain import SlopeTerrain, StairsTerrain
+from surefoot.mechanics.terrain import SlopeTerrain, StairsTerrain, rough_ground
 from surefoot.motion.gaits.gait import Gait
 from surefoot.motion.walking.feet_settings import FOOTHOLDS
 from surefoot.motion.walking.foot_phases import EARLY, LOST_TIME, FootPhase
@@ -158,6 +158,20 @@ def test_with_a_heading_feet_move_off_edges_along_it() -> None:
     feet.aim(1, np.array([0.38, -0.2]))  # back and aside, 8 cm beyond the edge that it came down over
     assert feet.now.target[1, 0] - 0.3 == pytest.approx(FOOTHOLDS.shin, abs=0.01)
     assert feet.now.target[1, 1] == pytest.approx(-0.2)
+
+
+@pytest.mark.parametrize("clearance", [0.03, 0.06])
+def test_over_rough_ground_a_foot_is_moved_by_a_little_more_than_its_swing_is_high(clearance: float) -> None:
+    places = np.random.default_rng(0).uniform(-2.0, 2.0, (80, 2))
+    moved = []
+    for place in places:
+        feet = WalkedFeet(rough_ground(3, 0.1), clearance=clearance)
+        feet.update(0.0, DOWN, CENTRES)
+        feet.now.foot["start"][1, :2] = place  # straight up and down: no edges lie across its way
+        feet.aim(1, place)
+        moved.append(np.abs(feet.now.target[1, :2] - place).max())
+    assert 1.0 <= max(moved) / clearance < 1.5
+    assert min(moved) < 0.5 * clearance
 
 
 def test_a_late_foot_slows_down_on_its_way_to_the_ground_without_a_jump(feet: WalkedFeet) -> None:

@@ -40,7 +40,12 @@ class MpcWeights(Settings):
     force [N²] from its share of the body's weight. Velocity weights must be positive.
     """
 
-    position: tuple[float, float, float] = setting((10.0, 10.0, 100.0), "1/m²", "weight on places")
+    position: tuple[float, float, float] = setting(
+        (10.0, 10.0, 100.0), "1/m²", "weight on places",
+        tuned="`surefoot bench ablation --vary MpcWeights.position --factor 20 "
+        "--task laden --seeds 3`, 2026-11-26: as good from 0.5, 0.5, 5 to 10, 10, 100; "
+        "a twentieth takes less work on `fast`",
+    )  # fmt: skip
     orientation: tuple[float, float, float] = setting((50.0, 50.0, 30.0), "1/rad²", "weight on orientation")
     linear_velocity: tuple[float, float, float] = setting((2.0, 2.0, 1.0), "s²/m²", "weight on velocity")
     angular_velocity: tuple[float, float, float] = setting(
@@ -51,7 +56,11 @@ class MpcWeights(Settings):
         tuned="`surefoot bench ablation --vary MpcWeights.force --factor 20 "
         "--task fast --seeds 3`, 2026-11-25: as good from 1e-05 to 0.0002",
     )  # fmt: skip
-    terminal: float = setting(1.0, "-", "weight of the last step over that of the others")
+    terminal: float = setting(
+        1.0, "-", "weight of the last step over that of the others",
+        tuned="`surefoot bench ablation --vary MpcWeights.terminal --factor 20 "
+        "--task fast --seeds 6`, 2026-11-26: as good from 0.05 to 1",
+    )  # fmt: skip
 
     def matrix(self) -> FloatArray:
         """Return the (2, 6) weights on [position; orientation] and on their rates, in one unit of cost.

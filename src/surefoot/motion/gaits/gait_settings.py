@@ -17,8 +17,10 @@ class GaitChangeSettings(Settings):
         "--task fast --seeds 6`, 2026-11-26: as good from 1.35 to 27",
     )  # fmt: skip
     air_step: float = setting(
-        1.15, "-", "largest factor between times in the air of one cycle and the next", low=1.0
-    )
+        1.15, "-", "largest factor between times in the air of one cycle and the next", low=1.0,
+        tuned="`surefoot bench ablation --vary GaitChangeSettings.air_step --factor 20 "
+        "--task fast --seeds 3`, 2026-11-26: as good from 1.15 to 23",
+    )  # fmt: skip
     offset_step: float = setting(
         0.07,
         "-",
@@ -41,11 +43,12 @@ class GaitChangeSettings(Settings):
         high=1.0,
     )
     unfit: float = setting(
-        1.1,
-        "-",
+        1.1, "-",
         "time that feet carry over the one wanted at a speed from which a cycle is not fit for the speed",
         low=1.0,
-    )
+        tuned="`surefoot bench ablation --vary GaitChangeSettings.unfit --factor 20 "
+        "--task fast --seeds 3`, 2026-11-26: as good from 1.1 to 22",
+    )  # fmt: skip
     first_lift: float = setting(
         0.02, "s", "least time before a foot at rest lifts after a walk is commanded again", low=0.0
     )

@@ -12,11 +12,11 @@ class BodyMotionSettings(Settings):
     """How the reference pose of the body follows command and ground."""
 
     lead_time: float = setting(
-        0.05,
-        "s",
-        "lead of the reference place over the larger of sqrt(g h) and the reference speed",
+        0.05, "s", "lead of the reference place over the larger of sqrt(g h) and the reference speed",
         low=0.0,
-    )
+        tuned="`surefoot bench ablation --vary BodyMotionSettings.lead_time --factor 20 "
+        "--task rough --seeds 6`, 2026-11-26: as good from 0.05 to 1",
+    )  # fmt: skip
     ground_time: float = setting(
         0.12, "s", "time constant with which the slope under the feet is followed", low=1e-06
     )
@@ -30,8 +30,10 @@ class BodyMotionSettings(Settings):
         "--task steps-down --seeds 3`, 2026-11-26: as good from 0.25 to 1",
     )  # fmt: skip
     lowering_time: float = setting(
-        0.3, "s", "time constant with which the body comes down to the height that suits a slope", low=1e-06
-    )
+        0.3, "s", "time constant with which the body comes down to the height that suits a slope", low=1e-06,
+        tuned="`surefoot bench ablation --vary BodyMotionSettings.lowering_time --factor 20 "
+        "--task steps-down --seeds 3`, 2026-11-26: as good from 0.015 to 0.3",
+    )  # fmt: skip
     acceleration: float = setting(
         0.12, "g", "largest change of the reference velocity", low=0.0,
         tuned="`surefoot bench ablation --vary BodyMotionSettings.acceleration --factor 20 "

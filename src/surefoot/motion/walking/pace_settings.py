@@ -12,8 +12,10 @@ class SpeedLimitSettings(Settings):
     """Shares of joint limits that a gait may use, how it hurries, and speeds on slopes and stairs."""
 
     timing_speed: float = setting(
-        0.85, "-", "share of the joints' speed limits that a gait's timing is chosen for", low=0.0, high=1.0
-    )
+        0.85, "-", "share of the joints' speed limits that a gait's timing is chosen for", low=0.0, high=1.0,
+        tuned="`surefoot bench ablation --vary SpeedLimitSettings.timing_speed --factor 20 "
+        "--task trot --seeds 3`, 2026-11-26: as good from 0.85 to 1",
+    )  # fmt: skip
     most_speed: float = setting(
         0.9, "-", "share of the joints' speed limits that a command may need", low=0.0, high=1.0,
         tuned="`surefoot bench ablation --vary SpeedLimitSettings.most_speed --factor 20 "
@@ -30,14 +32,20 @@ class SpeedLimitSettings(Settings):
         "--task fast --seeds 6`, 2026-11-26: as good from 1 to 1.1",
     )  # fmt: skip
     slope_speed: float = setting(
-        0.75, "sqrt(g h)", "speed at which walking doubles the share of friction that a slope needs", low=0.0
-    )
+        0.75, "sqrt(g h)", "speed at which walking doubles the share of friction that a slope needs", low=0.0,
+        tuned="`surefoot bench ablation --vary SpeedLimitSettings.slope_speed --factor 20 "
+        "--task slope-up --seeds 6`, 2026-11-26: as good from 0.75 to 15",
+    )  # fmt: skip
     steep_stairs: float = setting(
-        0.5, "-", "rise over tread of stairs up to which only the rise bounds the speed", low=0.0
-    )
+        0.5, "-", "rise over tread of stairs up to which only the rise bounds the speed", low=0.0,
+        tuned="`surefoot bench ablation --vary SpeedLimitSettings.steep_stairs --factor 20 "
+        "--task steps-up --seeds 6`, 2026-11-26: as good from 0.5 to 0.5",
+    )  # fmt: skip
     steepest_stairs: float = setting(
-        0.53, "-", "rise over tread of stairs beyond which nothing is tried", low=0.0
-    )
+        0.53, "-", "rise over tread of stairs beyond which nothing is tried", low=0.0,
+        tuned="`surefoot bench ablation --vary SpeedLimitSettings.steepest_stairs --factor 20 "
+        "--task steps-up --seeds 6`, 2026-11-26: as good from 0.53 to 10.6",
+    )  # fmt: skip
     step_speed: float = setting(
         0.142, "sqrt(g h)",
         "speed at which steps of the body's height are taken; it grows with the root of height over rise",
@@ -61,18 +69,20 @@ class SpeedLimitSettings(Settings):
         "--task fast --seeds 3`, 2026-11-25: as good from 0.02 to 0.4",
     )  # fmt: skip
     brisk: float = setting(
-        0.26,
-        "-",
-        "hurry of a gait at brisk speeds on a plane, whatever joints can do",
-        low=0.0,
-        high=1.0,
-        tuned="judgement, not measured: `surefoot bench ablation --only brisk` compares it with 0 alone: "
-        "18 % more work at 1 m/s; twice as much takes still less there",
-    )
+        0.26, "-", "hurry of a gait at brisk speeds on a plane, whatever joints can do", low=0.0, high=1.0,
+        tuned="`surefoot bench ablation --vary SpeedLimitSettings.brisk --factor 20 "
+        "--task speed-1 --seeds 3`, 2026-11-26: as good from 0.26 to 0.26; "
+        "without it (`--only brisk`) 18 % more work at 1 m/s; twice as much takes still less there",
+    )  # fmt: skip
     brisk_from: float = setting(
         0.35, "sqrt(g h)", "speed up to which a gait does not hurry beyond what joints need", low=0.0
     )
-    brisk_to: float = setting(0.55, "sqrt(g h)", "speed from which a gait hurries by `brisk`", low=0.0)
+    brisk_to: float = setting(
+        0.55, "sqrt(g h)", "speed from which a gait hurries by `brisk`", low=0.0,
+        tuned="`surefoot bench ablation --vary SpeedLimitSettings.brisk_to --factor 20 "
+        "--task speed-1 --seeds 3`, 2026-11-26: as good from 0.0275 to 0.55; "
+        "a twentieth takes less work on `trot`",
+    )  # fmt: skip
     stance_ends: float = setting(
         0.7,
         "-",
@@ -90,7 +100,11 @@ SPEED_LIMITS = SpeedLimitSettings()
 class GaitChoiceSettings(Settings):
     """When `auto` walks, and how long feet of a hurried gait carry at least."""
 
-    walks_below: float = setting(0.12, "sqrt(g h)", "speed up to which `auto` walks; it trots above", low=0.0)
+    walks_below: float = setting(
+        0.12, "sqrt(g h)", "speed up to which `auto` walks; it trots above", low=0.0,
+        tuned="`surefoot bench ablation --vary GaitChoiceSettings.walks_below --factor 20 "
+        "--task auto-fast --seeds 3`, 2026-11-26: as good from 0.006 to 0.12",
+    )  # fmt: skip
     hysteresis: float = setting(
         0.15, "-", "share by which that speed must be passed before the gait changes", low=0.0, high=1.0
     )
@@ -161,7 +175,11 @@ class StairGaitSettings(Settings):
         tuned="`surefoot bench ablation --vary StairGaitSettings.longest_cycle --factor 20 "
         "--task steps-down --seeds 3`, 2026-11-26: as good from 2.2 to 44",
     )  # fmt: skip
-    longest_stride: float = setting(1.2, "h", "longest stride up or down steps", low=0.0)
+    longest_stride: float = setting(
+        1.2, "h", "longest stride up or down steps", low=0.0,
+        tuned="`surefoot bench ablation --vary StairGaitSettings.longest_stride --factor 20 "
+        "--task steps-down --seeds 6`, 2026-11-26: as good from 1.2 to 24",
+    )  # fmt: skip
     single: tuple[float, float] = setting(
         (1.1, 1.15), "-",
         "shortest cycle over the trot's where a tread takes one stride, and growth with rise over h",

@@ -40,8 +40,10 @@ class PushRecoverySettings(Settings):
         low=0.0,
     )
     aside: float = setting(
-        2.0, "-", "sideways over forward error from which a body was thrown aside", low=0.0
-    )
+        2.0, "-", "sideways over forward error from which a body was thrown aside", low=0.0,
+        tuned="`surefoot bench ablation --vary PushRecoverySettings.aside --factor 20 "
+        "--task shoved-back --seeds 3`, 2026-11-26: as good from 2 to 40",
+    )  # fmt: skip
     back: float = setting(
         0.3,
         "g",
@@ -140,7 +142,11 @@ class StopAtDropSettings(Settings):
     lead: float = setting(
         1.8, "-", "speed of a late foot over the body's while the body falls into a drop", low=0.0
     )
-    search_speed: float = setting(0.03, "sqrt(g h)", "speed of late feet at a drop", low=0.0)
+    search_speed: float = setting(
+        0.03, "sqrt(g h)", "speed of late feet at a drop", low=0.0,
+        tuned="`surefoot bench ablation --vary StopAtDropSettings.search_speed --factor 20 "
+        "--task drop --seeds 3`, 2026-11-26: as good from 0.0015 to 0.03",
+    )  # fmt: skip
     shift_time: float = setting(
         0.3, "s", "time in which a standing body goes to the middle of its feet", low=0.001
     )

@@ -65,9 +65,15 @@ class BipedSettings(Settings):
 
     mu: float = setting(0.6, "-", "friction that the controller counts on", low=0.0)
     friction_share: float = setting(
-        0.9, "-", "share of the friction that commanded forces may use", low=0.0, high=1.0
-    )
-    start: float = setting(2.5, "sqrt(h / g)", "time to stand before the gait begins", low=0.0)
+        0.9, "-", "share of the friction that commanded forces may use", low=0.0, high=1.0,
+        tuned="`surefoot bench ablation --vary BipedSettings.friction_share --factor 20 "
+        "--task g1-step --seeds 6`, 2026-11-26: as good from 0.9 to 1",
+    )  # fmt: skip
+    start: float = setting(
+        2.5, "sqrt(h / g)", "time to stand before the gait begins", low=0.0,
+        tuned="`surefoot bench ablation --vary BipedSettings.start --factor 20 "
+        "--task g1-step --seeds 6`, 2026-11-26: as good from 2.5 to 2.5",
+    )  # fmt: skip
     stretch: float = setting(
         0.83,
         "-",
@@ -75,33 +81,59 @@ class BipedSettings(Settings):
         low=0.0,
         high=1.0,
     )
-    clearance: float = setting(0.09, "h", "height of the swing over the ground", low=0.0)
-    horizon: int = setting(14, "-", "steps of the MPC", low=1)
+    clearance: float = setting(
+        0.09, "h", "height of the swing over the ground", low=0.0,
+        tuned="`surefoot bench ablation --vary BipedSettings.clearance --factor 20 "
+        "--task g1-step --seeds 6`, 2026-11-26: as good from 0.09 to 0.09",
+    )  # fmt: skip
+    horizon: int = setting(
+        14, "-", "steps of the MPC", low=1,
+        tuned="`surefoot bench ablation --vary BipedSettings.horizon --factor 20 "
+        "--task g1-step --seeds 6`, 2026-11-26: as good from 1 to 14; "
+        "5 of 6 fall with 1, which may be chance",
+    )  # fmt: skip
     mpc_steps: int = setting(20, "-", "MPC steps in a cycle of the gait", low=1)
-    preview: float = setting(2.4, "s", "time over which the footsteps ahead shape the reference", low=0.0)
+    preview: float = setting(
+        2.4, "s", "time over which the footsteps ahead shape the reference", low=0.0,
+        tuned="`surefoot bench ablation --vary BipedSettings.preview --factor 20 "
+        "--task g1-step --seeds 6`, 2026-11-26: as good from 2.4 to 48",
+    )  # fmt: skip
     plan_interval: float = setting(0.02, "s", "longest time between plans", low=0.0)
     capture: float = setting(
         0.9, "-", "share of the predicted divergence at touchdown that moves the foothold", low=0.0
     )
     body_stiffness: float = setting(
-        2.0, "sqrt(g / h)", "natural frequency of the feedback on the body's plan", low=0.0
-    )
+        2.0, "sqrt(g / h)", "natural frequency of the feedback on the body's plan", low=0.0,
+        tuned="`surefoot bench ablation --vary BipedSettings.body_stiffness --factor 20 "
+        "--task g1-step --seeds 3`, 2026-11-26: as good from 0.1 to 2",
+    )  # fmt: skip
     swing_stiffness: float = setting(
-        8.0, "sqrt(g / h)", "natural frequency of the feedback on feet in the air", low=0.0
-    )
+        8.0, "sqrt(g / h)", "natural frequency of the feedback on feet in the air", low=0.0,
+        tuned="`surefoot bench ablation --vary BipedSettings.swing_stiffness --factor 20 "
+        "--task g1-step --seeds 6`, 2026-11-26: as good from 8 to 8",
+    )  # fmt: skip
     joint_stiffness: float = setting(
-        3.0, "sqrt(g / h)", "natural frequency of joints outside the legs", low=0.0
-    )
+        3.0, "sqrt(g / h)", "natural frequency of joints outside the legs", low=0.0,
+        tuned="`surefoot bench ablation --vary BipedSettings.joint_stiffness --factor 20 "
+        "--task g1-step --seeds 3`, 2026-11-26: as good from 0.15 to 3; "
+        "2 of 3 fall with 0.15, which may be chance",
+    )  # fmt: skip
     sole_damping: tuple[float, float] = setting(
         (16.0, 40.0), "sqrt(g / h)", "rates at which stance soles stop moving along the normal, and turning",
         low=0.0,
     )  # fmt: skip
     sole_press: float = setting(
-        0.3, "g", "acceleration with which stance soles press down beyond what keeps them at rest", low=0.0
-    )
+        0.3, "g", "acceleration with which stance soles press down beyond what keeps them at rest", low=0.0,
+        tuned="`surefoot bench ablation --vary BipedSettings.sole_press --factor 20 "
+        "--task g1-step --seeds 6`, 2026-11-26: as good from 0.015 to 0.3",
+    )  # fmt: skip
     arm_swing: float = setting(0.8, "1/h", "angle of the arms over the distance of the feet", low=0.0)
     normal_min: float = setting(0.002, "m g", "least normal force of a corner of a stance sole", low=0.0)
-    normal_max: float = setting(1.2, "m g", "largest normal force of a corner of a stance sole", low=0.0)
+    normal_max: float = setting(
+        1.2, "m g", "largest normal force of a corner of a stance sole", low=0.0,
+        tuned="`surefoot bench ablation --vary BipedSettings.normal_max --factor 20 "
+        "--task g1-step --seeds 6`, 2026-11-26: as good from 1.2 to 24",
+    )  # fmt: skip
     behaviour_settings: BehaviourSettings = field(default_factory=BehaviourSettings)
     mpc: MpcWeights = field(
         default_factory=lambda: MpcWeights(
