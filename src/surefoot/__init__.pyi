@@ -9,6 +9,7 @@ from .base.errors import ProblemError as ProblemError
 from .base.errors import SurefootError as SurefootError
 from .contact.batch import solve_batch as solve_batch
 from .contact.cones import FrictionCone as FrictionCone
+from .contact.cones import Sole as Sole
 from .contact.cones import WrenchCone as WrenchCone
 from .contact.files.formats import read_problem as read_problem
 from .contact.files.formats import write_problem as write_problem

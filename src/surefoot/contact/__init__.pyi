@@ -11,6 +11,7 @@ from .cones.polyhedral import FrictionPyramid as FrictionPyramid
 from .cones.polyhedral import PolyhedralCone as PolyhedralCone
 from .cones.product import ProductCone as ProductCone
 from .cones.representation import Method as Method
+from .cones.sole import Sole as Sole
 from .cones.wrench_cone import WrenchCone as WrenchCone
 from .derivative.solution_derivative import KINK as KINK
 from .derivative.solution_derivative import ContactDerivative as ContactDerivative
