@@ -10,7 +10,6 @@ from .base.errors import SurefootError as SurefootError
 from .contact.batch import solve_batch as solve_batch
 from .contact.cones import FrictionCone as FrictionCone
 from .contact.cones import Sole as Sole
-from .contact.cones import WrenchCone as WrenchCone
 from .contact.files.formats import read_problem as read_problem
 from .contact.files.formats import write_problem as write_problem
 from .contact.problem import ContactProblem as ContactProblem
@@ -34,8 +33,8 @@ from .mechanics.robot import Robot as Robot
 from .mechanics.robot import load_robot as load_robot
 from .mechanics.robot import place as place
 from .mechanics.robot import robot_names as robot_names
-from .mechanics.stance import PatchContact as PatchContact
 from .mechanics.stance import PointContact as PointContact
+from .mechanics.stance import SoleContact as SoleContact
 from .mechanics.stance import Stance as Stance
 from .mechanics.stance import read_stance as read_stance
 from .mechanics.stance.stance_batch import StanceBatch as StanceBatch

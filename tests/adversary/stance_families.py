@@ -41,13 +41,13 @@ def question(rng: np.random.Generator, family: str, scale: float = 1.0) -> Quest
     """Return one random question of a family, all lengths times `scale`."""
     places, normals, mu = _contacts(rng, family)
     places = scale * np.asarray(places, dtype=float)
-    contacts: list[sf.PointContact | sf.PatchContact] = []
+    contacts: list[sf.PointContact | sf.SoleContact] = []
     for place, normal, friction in zip(places, normals, mu, strict=True):
         normal = np.asarray(normal, dtype=float) / np.linalg.norm(normal)
         if family == "patches":
             length, width = scale * rng.uniform(0.05, 0.25, size=2)
             heading = rng.normal(size=3)
-            contacts.append(sf.PatchContact(place, length, width, normal, friction, heading=heading))
+            contacts.append(sf.SoleContact(place, sf.Sole(length, width, friction), normal, heading=heading))
         else:
             contacts.append(sf.PointContact(place, normal, friction))
     weights = rng.dirichlet(np.ones(len(places)))

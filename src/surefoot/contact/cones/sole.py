@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import BoolArray, FloatArray, finite_array, numbers, positive_number, real_number
 from surefoot.base.errors import ProblemError
-from surefoot.contact.cones.sole_shape import edge_names, outline, shape_of
+from surefoot.contact.cones.sole_shape import edge_names, outline, outward, shape_of
 
 if TYPE_CHECKING:
     from surefoot.contact.cones.cone import Fit
@@ -176,7 +176,6 @@ class Sole:
         """What every kernel is given: numbers, table, start and edges."""
         shape = shape_of(self.corners, self.torsional_radius)
         few = [*shape.centre, shape.length, self.torsional_radius / shape.length, self.mu]
-        self._normals = shape.normals
         return np.array(few), shape.table, shape.start, shape.edges
 
     @cached_property
@@ -199,7 +198,7 @@ class Sole:
     @cached_property
     def edge_names(self) -> tuple[str, ...]:
         """A name for the edge from each corner to the next one: toe, right, heel, left."""
-        return edge_names(shape_of(self.corners, 0.0).normals)
+        return edge_names(outward(self.corners))
 
     def with_friction(self, mu: float) -> Sole:
         """Return the same sole with another friction coefficient [-]."""
@@ -327,7 +326,8 @@ class Sole:
         """
         from surefoot.contact.cones.sole_rows import corner_pyramids
 
-        return corner_pyramids(self, facets, fit)
+        self._refuse_pads()
+        return corner_pyramids(self.corners, self.mu, facets, fit)
 
     def closed_form(self, fit: Fit = "inner") -> SolePolyhedron:
         """Return Caron's sixteen rows of a rectangle: the corners' pyramids of four sides along its own axes.
@@ -341,7 +341,16 @@ class Sole:
         """
         from surefoot.contact.cones.sole_rows import caron_rows
 
-        return caron_rows(self, fit)
+        self._refuse_pads()
+        if self.length is None or self.width is None:
+            raise ProblemError("the closed form is of a rectangle, Sole(length, width); take Sole.polyhedral")
+        return caron_rows(self.length, self.width, self.mu, fit)
+
+    def _refuse_pads(self) -> None:
+        if self.torsional_radius > 0.0:
+            raise ProblemError(
+                "polyhedral forms are of soles without a torsional radius: a pad's limit is an ellipsoid"
+            )
 
     def _needs(self, w: FloatArray) -> tuple[FloatArray, FloatArray]:
         needs, shares = np.empty(len(w)), np.empty((len(w), 3))

@@ -11,17 +11,13 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from surefoot.base.arrays import FloatArray
-from surefoot.base.errors import ProblemError
+from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.contact.cones.cone import Fit
 from surefoot.contact.cones.polyhedral import FrictionPyramid, PolyhedralCone, checked_fit
-
-if TYPE_CHECKING:
-    from surefoot.contact.cones.sole import Sole
+from surefoot.contact.cones.sole_shape import edge_names, middle_of, outward
 
 KEPT = 32
 """Sums of pyramids that are kept, by corners, facets and fit: a robot has one or two soles."""
@@ -59,44 +55,42 @@ class SolePolyhedron(PolyhedralCone):
         )
 
 
-def corner_pyramids(sole: Sole, facets: int, fit: Fit) -> SolePolyhedron:
-    """Return the sum of the corners' pyramids; see `Sole.polyhedral`."""
-    _without_pads(sole)
-    pyramid = FrictionPyramid(sole.mu, facets, fit)
-    halfspaces, names = scaled_rows(sole, pyramid.facets, pyramid.fit)
-    return SolePolyhedron(halfspaces, _rays_of(sole.corners, pyramid), names, pyramid)
+def corner_pyramids(corners: FloatArray, mu: float, facets: int, fit: Fit) -> SolePolyhedron:
+    """Return the sum of the pyramids at corners (k, 2) [m]; see `Sole.polyhedral`."""
+    pyramid = FrictionPyramid(mu, facets, fit)
+    rows, turns, names = _rows_of_one(_key(corners), pyramid.facets, pyramid.fit)
+    halfspaces = rows.copy()
+    halfspaces[turns, 2:5] *= mu
+    return SolePolyhedron(halfspaces, _rays_of(corners, pyramid), names, pyramid)
 
 
-def scaled_rows(sole: Sole, facets: int, fit: Fit) -> tuple[FloatArray, tuple[str, ...]]:
-    """Return the rows (m, 6) of a sole's pyramids and their names.
+def unit_rows(corners: FloatArray, facets: int, fit: Fit) -> tuple[FloatArray, BoolArray]:
+    """Return the rows (m, 6) of a sole's pyramids with friction one, and those that friction scales: (m,).
 
-    Friction scales (f_x, f_y, m_z), so that the rows of mu = 1 serve for every mu, in the same number: those
-    of mu = 0 hold the three at zero.
+    Friction scales (f_x, f_y, m_z), so that entries 2, 3, 4 of such rows times mu serve for every mu, in the
+    same number: those of mu = 0 hold the three at zero. Not to be written to.
     """
-    shared, names = _rows_of_one(np.ascontiguousarray(sole.corners).tobytes(), facets, fit)
-    rows = shared.copy()
-    turns = np.abs(rows[:, [0, 1, 5]]).max(axis=1) > 0.0
-    # d . f_t / mu + w m_z / mu + eta . (f_z, m_x, m_y) <= 0, times mu
-    rows[np.ix_(turns, [2, 3, 4])] *= sole.mu
-    return rows, names
+    rows, turns, _ = _rows_of_one(_key(corners), facets, checked_fit(fit))
+    return rows, turns
+
+
+def _key(corners: FloatArray) -> bytes:
+    return np.ascontiguousarray(corners).tobytes()
 
 
 @lru_cache(maxsize=KEPT)
-def _rows_of_one(corners: bytes, facets: int, fit: Fit) -> tuple[FloatArray, tuple[str, ...]]:
-    """Return rows and names for corners (k, 2) with a friction coefficient of one."""
-    from surefoot.contact.cones.sole import Sole
-
+def _rows_of_one(corners: bytes, facets: int, fit: Fit) -> tuple[FloatArray, BoolArray, tuple[str, ...]]:
+    """Return rows, which of them friction scales, and names, for corners (k, 2) with friction one."""
     places = np.frombuffer(corners).reshape(-1, 2)
-    sole = Sole.of_corners(places, mu=1.0)
-    shift = places.mean(axis=0)
+    shift, radius = middle_of(places)
     # about the centre and over the radius, where all entries are of one size
-    rays = _rays_of((places - shift) / sole.radius, FrictionPyramid(1.0, facets, fit))
+    rays = _rays_of((places - shift) / radius, FrictionPyramid(1.0, facets, fit))
     rows = PolyhedralCone.from_rays(rays).halfspaces
     rows[np.abs(rows) < NOTHING * np.abs(rows).max(axis=1, keepdims=True)] = 0.0
     rows /= np.linalg.norm(rows[:, :3], axis=1)[:, None]
     rows = rows[np.lexsort(np.round(rows.T, 9)[::-1])]
-    names = _names(rows, sole)
-    rows[:, 3:] /= sole.radius
+    names = _names(rows, places)
+    rows[:, 3:] /= radius
     # moments about the frame's origin: m - c x f
     x, y = shift
     about = rows.copy()
@@ -104,34 +98,31 @@ def _rows_of_one(corners: bytes, facets: int, fit: Fit) -> tuple[FloatArray, tup
     about[:, 1] -= rows[:, 5] * x
     about[:, 2] += rows[:, 4] * x - rows[:, 3] * y
     about.setflags(write=False)
-    return about, names
+    return about, np.abs(about[:, [0, 1, 5]]).max(axis=1) > 0.0, names
 
 
-def _names(rows: FloatArray, sole: Sole) -> tuple[str, ...]:
+def _names(rows: FloatArray, corners: FloatArray) -> tuple[str, ...]:
     """Return what the sole does when a row (m, 6), about the centre and over the radius, gives way."""
-    normals, edges = _outward(sole.corners), sole.edge_names
-    return tuple(_name(row, normals, edges, sole) for row in rows)
+    normals = outward(corners)
+    edges, (centre, radius) = edge_names(normals), middle_of(corners)
+    return tuple(_name(row, normals, edges, centre, radius) for row in rows)
 
 
-def _outward(corners: FloatArray) -> FloatArray:
-    """Return the outward normals (k, 2) of the edges of corners in clockwise order."""
-    along = np.roll(corners, -1, axis=0) - corners
-    return np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(along[:, 0], along[:, 1])[:, None]
-
-
-def _name(row: FloatArray, normals: FloatArray, edges: tuple[str, ...], sole: Sole) -> str:
+def _name(
+    row: FloatArray, normals: FloatArray, edges: tuple[str, ...], centre: FloatArray, radius: float
+) -> str:
     """Return the name of one row: friction at its limit opposes the motion, and pressure is at the edge.
 
     Points p of the sole slide along -(d + turn z x p), d = row_x, row_y; pressure is at (-m_y, m_x) / f_z.
     """
-    slide, tip, turn = row[:2], np.array([-row[4], row[3]]), row[5] / sole.radius
+    slide, tip, turn = row[:2], np.array([-row[4], row[3]]), row[5] / radius
     tips = f"tips over the {edges[int(np.argmax(normals @ tip))]}" if tip.any() else ""
     if turn == 0.0 and not slide.any():
         return tips or "lifts off"
     if turn == 0.0:
         motion = f"slides {_way(-slide)}"
     else:
-        x, y = sole.centre + np.array([-slide[1], slide[0]]) / turn
+        x, y = centre + np.array([-slide[1], slide[0]]) / turn
         motion = f"yaws {'right' if turn > 0.0 else 'left'} about ({x:.3f}, {y:.3f}) m"
     return f"{motion} and {tips}" if tips else motion
 
@@ -153,14 +144,11 @@ def _rays_of(corners: FloatArray, pyramid: FrictionPyramid) -> FloatArray:
     return np.vstack(out)
 
 
-def caron_rows(sole: Sole, fit: Fit) -> SolePolyhedron:
+def caron_rows(length: float, width: float, mu: float, fit: Fit) -> SolePolyhedron:
     """Return the sixteen rows of a rectangle in closed form; see `Sole.closed_form`."""
-    _without_pads(sole)
-    if sole.length is None or sole.width is None:
-        raise ProblemError("the closed form is of a rectangle, Sole(length, width); take Sole.polyhedral")
     checked_fit(fit)
-    X, Y = 0.5 * sole.length, 0.5 * sole.width
-    m = sole.mu / math.sqrt(2.0) if fit == "inner" else sole.mu
+    X, Y = 0.5 * length, 0.5 * width
+    m = mu / math.sqrt(2.0) if fit == "inner" else mu
     rows = np.zeros((8, 6))
     for k, (axis, limit) in enumerate(((0, m), (1, m), (3, Y), (4, X))):
         rows[2 * k, axis], rows[2 * k + 1, axis] = 1.0, -1.0
@@ -173,13 +161,7 @@ def caron_rows(sole: Sole, fit: Fit) -> SolePolyhedron:
         for a, b in _SIGNS
     ]
     every = np.vstack([rows, yaw])
-    counted = every * [1.0, 1.0, 1.0, *3 * [1.0 / sole.radius]]
-    pyramid = FrictionPyramid(sole.mu, 4, fit, 0.25 * math.pi if fit == "inner" else 0.0)
-    return SolePolyhedron(every, _rays_of(sole.corners, pyramid), _names(counted, sole), pyramid)
-
-
-def _without_pads(sole: Sole) -> None:
-    if sole.torsional_radius > 0.0:
-        raise ProblemError(
-            "polyhedral forms are of soles without a torsional radius: a pad's limit is an ellipsoid"
-        )
+    corners = _SIGNS * [X, Y]
+    counted = every * [1.0, 1.0, 1.0, *3 * [1.0 / math.hypot(X, Y)]]
+    pyramid = FrictionPyramid(mu, 4, fit, 0.25 * math.pi if fit == "inner" else 0.0)
+    return SolePolyhedron(every, _rays_of(corners, pyramid), _names(counted, corners), pyramid)

@@ -63,6 +63,18 @@ def _turn(a: FloatArray, b: FloatArray, c: FloatArray) -> float:
     return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
 
 
+def middle_of(corners: FloatArray) -> tuple[FloatArray, float]:
+    """Return the mean (2,) of corners (k, 2) and the largest distance of one from it [m]."""
+    centre = corners.mean(axis=0)
+    return centre, float(np.sqrt(((corners - centre) ** 2).sum(axis=1)).max())
+
+
+def outward(corners: FloatArray) -> FloatArray:
+    """Return the outward normals (k, 2) of the edges from each of the corners, clockwise, to the next one."""
+    along = np.roll(corners, -1, axis=0) - corners
+    return np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(along[:, 0], along[:, 1])[:, None]
+
+
 def edge_names(normals: FloatArray) -> tuple[str, ...]:
     """Return a name for each edge with outward normals (k, 2): its side, numbered where it has several.
 
@@ -91,8 +103,6 @@ class SoleShape:
         (k, 4): each corner (x, y), and its levers (y, -x) for the moments of a normal force [-].
     start
         (k, 4, 5): least corner forces for a wrench's other five numbers, see `sole_program.begin`.
-    normals
-        (k, 2) outward normals of the edges, each from its corner to the next one.
     edges
         (k, 2): row @ (m_x, m_y) is the normal force that an edge takes for these moments.
     """
@@ -101,14 +111,12 @@ class SoleShape:
     length: float
     table: FloatArray
     start: FloatArray
-    normals: FloatArray
     edges: FloatArray
 
 
 def shape_of(corners: FloatArray, torsional_radius: float) -> SoleShape:
     """Return the shape of corners (k, 2) [m] in the order of `outline`."""
-    centre = corners.mean(axis=0)
-    length = float(np.sqrt(((corners - centre) ** 2).sum(axis=1)).max())
+    centre, length = middle_of(corners)
     q = (corners - centre) / length
     k, radius = len(q), torsional_radius / length
     give = np.zeros((5, k, 4))
@@ -116,11 +124,9 @@ def shape_of(corners: FloatArray, torsional_radius: float) -> SoleShape:
     give[2, :, 0], give[3, :, 0] = q[:, 1], -q[:, 0]
     give[4, :, 1], give[4, :, 2], give[4, :, 3] = -q[:, 1], q[:, 0], radius
     start = np.linalg.pinv(give.reshape(5, 4 * k)).reshape(k, 4, 5)
-    along = np.roll(q, -1, axis=0) - q
-    normals = np.column_stack([-along[:, 1], along[:, 0]])  # corners go clockwise
-    normals /= np.hypot(normals[:, 0], normals[:, 1])[:, None]
+    normals = outward(q)
     far = (normals * q).sum(axis=1)
     # pressure at (-m_y, m_x) / f_z beyond an edge at distance `far`
     edges = np.column_stack([normals[:, 1], -normals[:, 0]]) / far[:, None]
     table = np.ascontiguousarray(np.column_stack([q, q[:, 1], -q[:, 0]]))
-    return SoleShape(centre, length, table, np.ascontiguousarray(start), normals, np.ascontiguousarray(edges))
+    return SoleShape(centre, length, table, np.ascontiguousarray(start), np.ascontiguousarray(edges))
