@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from benchmarks.soles.judges import ClarabelSole, least_in_digits, random_sole, random_wrenches
 from surefoot.base.errors import ProblemError
 from surefoot.contact.cones.friction import FrictionCone
 from surefoot.contact.cones.sole import Sole
-from tests.contact.cones.sole_oracle import ClarabelSole, least_in_digits, random_sole, random_wrenches
 
 PUSH = [55.0, 0.0, 100.0, 0.0, 0.0, 0.0]
 SOLE = Sole(0.22, 0.09, mu=0.6)

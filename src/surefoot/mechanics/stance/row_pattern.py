@@ -128,7 +128,7 @@ class RowPattern:
             if not same:
                 raise ProblemError(f"contacts[{k}] has another shape than the one that the rows are of")
             if bounded != (contact.normal_max < math.inf):
-                said = "has" if not bounded else "has no"
+                said = "has no" if bounded else "has an"
                 raise ProblemError(
                     f"contacts[{k}] now {said} upper bound, which takes another number of rows"
                 )

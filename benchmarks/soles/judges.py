@@ -1,4 +1,4 @@
-"""Judges of a sole that share no arithmetic with it: Clarabel on its corner forces, and 50 digits."""
+"""Judges of a sole that share no arithmetic with it, and soles and wrenches to judge."""
 
 from __future__ import annotations
 
