@@ -108,7 +108,7 @@ def _one_by_one(sole: Sole) -> dict[str, Callable[[FloatArray], bool]]:
     return {
         "`Sole.verdict`, proof checked": lambda w: sole.verdict(w).holds is True,
         "`can_stand`": _can_stand(sole),
-        "`wrench_cone(facets=None)`": lambda w: bool(cone.contains(w, 0.0)),
+        "`StanceCone.contains`": lambda w: bool(cone.contains(w, 0.0)),
     }
 
 

@@ -45,6 +45,7 @@ from .mechanics.statics.statics import can_stand as can_stand
 from .mechanics.statics.statics import friction_needed as friction_needed
 from .mechanics.statics.statics_batch import can_stand_batch as can_stand_batch
 from .mechanics.statics.statics_batch import com_region_batch as com_region_batch
+from .mechanics.statics.wrench_cone import StanceCone as StanceCone
 from .mechanics.statics.wrench_cone import wrench_cone as wrench_cone
 from .mechanics.terrain import FlatTerrain as FlatTerrain
 from .mechanics.terrain import SlopeTerrain as SlopeTerrain

@@ -16,7 +16,7 @@ TRIANGLE = Sole.of_corners([[0.1, 0], [0, 0.1], [0, -0.1]], 2.0)
 
 
 def size(sole, wrenches):
-    return np.array([np.linalg.norm(sole._counted(w)) for w in np.reshape(wrenches, (-1, 6))])
+    return np.array([np.linalg.norm(sole._count_moments(w)) for w in np.reshape(wrenches, (-1, 6))])
 
 
 @pytest.mark.parametrize("number", range(6))
@@ -69,7 +69,7 @@ def test_verdicts_come_with_proofs(number):
         if verdict.holds:
             arms = np.column_stack([sole.corners, np.zeros(len(sole.corners))])
             got = np.concatenate([verdict.forces.sum(axis=0), np.cross(arms, verdict.forces).sum(axis=0)])
-            assert np.linalg.norm(sole._counted(got - w)) <= 1e-8 * max(1.0, scale)
+            assert np.linalg.norm(sole._count_moments(got - w)) <= 1e-8 * max(1.0, scale)
             assert cone.margin(verdict.forces).min() >= -1e-8 * max(1.0, scale)
         else:
             assert float(verdict.twist @ w) > 0.0
@@ -131,7 +131,7 @@ def test_the_nearest_wrench_obeys_moreau(sole):
     near = sole.project(wrenches)
     assert sole.contains(near, 1e-7).all()
     for w, p in zip(wrenches, near, strict=True):
-        rest, own = sole._counted(w - p), sole._counted(p)
+        rest, own = sole._count_moments(w - p), sole._count_moments(p)
         scale = size(sole, w)[0]
         assert abs(rest @ own) <= 1e-6 * scale**2
         # as a twist about the origin: moments over the radius, twice

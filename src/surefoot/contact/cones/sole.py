@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -24,74 +23,11 @@ from surefoot.contact.cones.sole_shape import edge_names, outline, outward, shap
 
 if TYPE_CHECKING:
     from surefoot.contact.cones.cone import Fit
+    from surefoot.contact.cones.sole_answers import SoleUse, SoleVerdict
     from surefoot.contact.cones.sole_rows import SolePolyhedron
 
 MOST_MU = 1e100
 """Largest friction coefficient of a sole [-]: squares beyond it overflow."""
-LIMITS = ("friction", "edge", "yaw")
-"""Names of what can bind: the sole slides, tips over an edge, or turns."""
-
-
-@dataclass(frozen=True, eq=False)
-class SoleUse:
-    """Shares of a sole's cone that wrenches use, all over the normal force that they have: (...) each.
-
-    The least normal force that holds (f_x, f_y, m_x, m_y, m_z) is a homogeneous function of them, so that it
-    is the sum of what each kind takes (Euler's theorem). A share may be negative: what it does helps the
-    others.
-
-    Attributes
-    ----------
-    total
-        Least normal force over the given one [-]: 1 on the border. 0 for no wrench at all, infinite where no
-        normal force is there, NaN where the wrench is not finite.
-    friction, edge, yaw
-        Shares of the tangential forces, the tipping moments about the sole's centre, and the yaw moment [-];
-        their sum is the total. Alone, they are |f_t| / (mu f_z), the pressure's way to the edge, and the yaw
-        moment over the largest.
-    binds
-        Which of the three takes most, by name: "friction", "edge" or "yaw".
-    """
-
-    total: FloatArray
-    friction: FloatArray
-    edge: FloatArray
-    yaw: FloatArray
-
-    @property
-    def binds(self) -> np.ndarray:
-        """(...) names of the largest share."""
-        stacked = np.stack([self.friction, self.edge, self.yaw], axis=-1)
-        return np.asarray(np.array(LIMITS)[np.argmax(np.nan_to_num(stacked, nan=-1.0), axis=-1)])
-
-
-@dataclass(frozen=True, eq=False)
-class SoleVerdict:
-    """Whether a sole holds a wrench, with a proof that `Sole.verdict` has checked in plain arithmetic.
-
-    Attributes
-    ----------
-    holds
-        Whether it does; None where neither proof passed its check.
-    margin
-        Normal force to spare [N], negative where it is missing.
-    forces
-        (k, 3) corner forces in their cones [N] that give the wrench, where it holds.
-    torsions
-        (k,) yaw moments of the corners' pads [N m], zeros without a torsional radius.
-    twist
-        (6,) velocity [linear; angular] of the sole [m/s, rad/s], where it does not hold: no corner force can
-        take power out of it, and the wrench would.
-    """
-
-    holds: bool | None
-    margin: float
-    forces: FloatArray | None = None
-    torsions: FloatArray | None = None
-    twist: FloatArray | None = None
-
-    def __bool__(self) -> bool:
-        return self.holds is True
 
 
 class Sole:
@@ -208,10 +144,10 @@ class Sole:
         return twin
 
     def contains(self, wrench: ArrayLike, tol: float = 1e-9) -> BoolArray:
-        """Tell whether wrenches (..., 6) are in the cone: (...); what is not finite is not.
+        """Tell whether wrenches (..., 6) [N, N m] are in the cone: (...); what is not finite is not.
 
-        One that lacks no more than tol max(1 N, its size) of normal force at the centre counts as in it; its
-        size is sqrt(||f||² + ||m||² / radius²).
+        One that lacks no more than tol [-] times max(1 N, its size) of normal force at the centre counts as
+        in it; its size is sqrt(||f||² + ||m||² / radius²).
         """
         w = self._wrenches(wrench)
         out = np.empty(len(w), dtype=np.bool_)
@@ -229,6 +165,8 @@ class Sole:
 
     def use(self, wrench: ArrayLike) -> SoleUse:
         """Return the shares of the cone that wrenches (..., 6) use, and what binds; see `SoleUse`."""
+        from surefoot.contact.cones.sole_answers import SoleUse
+
         w = self._wrenches(wrench)
         needs, shares = self._needs(w)
         force = np.where(w[:, 2] > 0.0, w[:, 2], 0.0)
@@ -267,10 +205,10 @@ class Sole:
         return out.reshape(np.shape(wrench))
 
     def support(self, direction: ArrayLike, tol: float = 1e-9) -> FloatArray:
-        """Return sup of direction . wrench over the cone for directions (..., 6): (...), 0 or infinity.
+        """Return sup of twist . wrench [W] over the cone for twists (..., 6) [m/s, rad/s]: zero or infinity.
 
         It is 0 where no corner force has a positive product with the direction, a twist [linear; angular]:
-        within tol max(1, its size) of a newton of normal force.
+        within tol [-] times max(1, its size) of a newton of normal force.
         """
         d = self._wrenches(direction)
         size = np.sqrt((d[:, :3] ** 2).sum(axis=1) + (d[:, 3:] ** 2).sum(axis=1) * self.radius**2)
@@ -280,23 +218,25 @@ class Sole:
         )
 
     def verdict(self, wrench: ArrayLike, tol: float = 1e-9) -> SoleVerdict:
-        """Tell whether the sole holds a wrench (6,), with corner forces or a twist as the proof.
+        """Tell whether the sole holds a wrench (6,) [N, N m], with corner forces or a twist as the proof.
 
-        Proofs are checked here from the corners alone, within tol max(1 N, the wrench's size).
+        Proofs are checked here from the corners alone, within tol [-] times max(1 N, the wrench's size).
         """
+        from surefoot.contact.cones.sole_answers import SoleVerdict
+
         w = finite_array("wrench", wrench, (6,))
         found, twist, numbers_ = np.empty((len(self.corners), 4)), np.empty(6), self._data[0]
         need = self._kernels.certify(*self._data, w, found, twist)
         margin = float(w[2] - need)
         x, y = numbers_[:2]
-        size = float(np.linalg.norm(self._counted(w)))
+        size = float(np.linalg.norm(self._count_moments(w)))
         slack = tol * max(1.0, size)
         if margin >= -slack and math.isfinite(need):
             found[:, 2] += max(margin, 0.0) / len(found)
             left = self._sum(found) - w
             friction = np.hypot(np.hypot(found[:, 0], found[:, 1]), self._over_radius(found[:, 3]))
             short = (friction - self.mu * found[:, 2]).sum(where=friction > self.mu * found[:, 2])
-            if np.linalg.norm(self._counted(left)) <= 2.0 * slack and short <= self.mu * slack + slack:
+            if np.linalg.norm(self._count_moments(left)) <= 2.0 * slack and short <= self.mu * slack + slack:
                 return SoleVerdict(True, margin, found[:, :3], found[:, 3])
             return SoleVerdict(None, margin)
         if not math.isfinite(need):
@@ -367,7 +307,7 @@ class Sole:
             raise ProblemError(f"expected wrenches of shape (..., 6), got {w.shape}")
         return w.reshape(-1, 6)
 
-    def _counted(self, w: FloatArray) -> FloatArray:
+    def _count_moments(self, w: FloatArray) -> FloatArray:
         """Return a wrench (6,) with moments about the centre and over the radius [N]."""
         x, y, length = self._data[0][:3]
         return np.concatenate([w[:3], (w[3:] - np.cross([x, y, 0.0], w[:3])) / length])
@@ -391,7 +331,7 @@ class Sole:
 
     def _sliding(self, w: FloatArray) -> FloatArray:
         """Return minus a twist about the centre that feeds on w (6,) and that no normal force resists."""
-        counted = self._counted(w)
+        counted = self._count_moments(w)
         twist = np.zeros(6)
         twist[[0, 1]], twist[5] = -counted[[0, 1]], -counted[5] / self.radius
         return twist
@@ -403,7 +343,7 @@ class Sole:
         x, y, length = self._data[0][:3]
         table = self._data[1]
         rays = np.column_stack([np.ones(len(table)), table[:, 2:4]])
-        about = np.array([self._counted(one) for one in w]).reshape(-1, 6)
+        about = np.array([self._count_moments(one) for one in w]).reshape(-1, 6)
         near = np.full((len(w), 3), np.nan)
         finite = np.isfinite(about).all(axis=1)
         near[finite] = nearest_in_cone(rays, about[finite][:, 2:5])

@@ -321,7 +321,7 @@ def need(
     table: FloatArray, start: FloatArray, radius: float, W: FloatArray, level: float, v: FloatArray,
     work: FloatArray, space: FloatArray,
 ) -> tuple[int, float, float]:  # fmt: skip
-    """Bound the least total normal force for W[:5], of norm one, from both sides.
+    """Bound the least total normal force for W[:5], W (6,) of norm one, from both sides.
 
     Returns
     -------

@@ -175,7 +175,7 @@ def halfspaces(
     contacts: Sequence[Contact], facets: int, fit: Fit, axes: Axes, swing: Sequence[bool] | Sequence[str]
 ) -> HalfSpaces:
     """Return the rows of contacts; see `Stance.halfspaces`."""
-    mask = _checked(contacts, facets, axes, swing)
+    mask = _check_request(contacts, facets, axes, swing)
     blocks: list[Block] = []
     rows: list[slice] = []
     low, high, b = [], [], []
@@ -218,7 +218,7 @@ def two_sided(
     contacts: Sequence[Contact], facets: int, fit: Fit, axes: Axes, swing: Sequence[bool] | Sequence[str]
 ) -> TwoSidedRows:
     """Return the rows of contacts with both bounds; see `Stance.two_sided`."""
-    mask = _checked(contacts, facets, axes, swing)
+    mask = _check_request(contacts, facets, axes, swing)
     blocks: list[Block] = []
     rows: list[slice] = []
     low, lower, upper = [], [], []
@@ -245,7 +245,7 @@ def two_sided(
     )  # fmt: skip
 
 
-def _checked(
+def _check_request(
     contacts: Sequence[Contact], facets: int, axes: Axes, swing: Sequence[bool] | Sequence[str]
 ) -> tuple[bool, ...]:
     """Check what rows are asked for, and return which contacts are swing feet."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import get_args, overload
+from typing import get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -51,25 +51,14 @@ def wrench_cone_size(stance: Stance, facets: int = 8) -> WrenchConeSize:
     return WrenchConeSize(rays, most_rows_of(rays, 6))
 
 
-@overload
-def wrench_cone(
-    stance: Stance, about: ArrayLike = ..., facets: int = ..., fit: Fit = ..., method: Method = ...,
-    most_rows: float = ...,
-) -> RayCone: ...  # fmt: skip
-
-
-@overload
-def wrench_cone(stance: Stance, about: ArrayLike = ..., *, facets: None) -> StanceCone: ...
-
-
 def wrench_cone(
     stance: Stance,
     about: ArrayLike = (0.0, 0.0, 0.0),
-    facets: int | None = 8,
+    facets: int = 8,
     fit: Fit = "inner",
     method: Method = "qhull",
     most_rows: float = MOST_ROWS,
-) -> RayCone | StanceCone:
+) -> RayCone:
     """Return all wrenches that a stance's contact forces can give the robot, as a cone.
 
     Parameters
@@ -79,7 +68,7 @@ def wrench_cone(
     about
         (3,) point that moments refer to, world axes [m].
     facets, fit
-        Sides of the friction pyramids, inside or around the cones; None for the exact cones.
+        Sides of the friction pyramids, inside or around the cones; for exact ones take `StanceCone`.
     method
         "qhull" or "cdd": see `surefoot.contact.cones.representation`.
     most_rows
@@ -87,11 +76,10 @@ def wrench_cone(
 
     Returns
     -------
-    RayCone | StanceCone
-        In R^6, [force; moment]. With facets a polyhedral cone: `contains`, `project` and `support` go by its
-        rays, `halfspaces` and the inner `margin` by rows that are worked out when they are asked for.
-        Without, the exact one, with `contains`, `margin` and `support`. Add gravity yourself: the robot can
-        move with linear and angular momentum rates (l', k') if ``[l' - m g; k']`` is in it.
+    RayCone
+        In R^6, [force; moment]: `contains`, `project` and `support` go by its rays, `halfspaces` and the
+        inner `margin` by rows that are worked out when they are asked for. Add gravity yourself: the robot
+        can move with linear and angular momentum rates (l', k') if ``[l' - m g; k']`` is in it.
 
     Raises
     ------
@@ -113,8 +101,6 @@ def wrench_cone(
     (True, False)
     """
     of_kind("stance", stance, Stance)
-    if facets is None:
-        return StanceCone(stance, about)
     points = stance.points()
     wrench_cone_size(stance, facets)  # refuses facets that are none
     check_name("method", method, get_args(Method))
@@ -165,7 +151,7 @@ class StanceCone:
         return out.reshape(w.shape[:-1])
 
     def contains(self, wrench: ArrayLike, tol: float = 1e-9) -> BoolArray:
-        """Tell whether wrenches (..., 6) are in the cone: (...), to a margin of tol max(1 N, their size)."""
+        """Tell whether wrenches (..., 6) [N, N m] are in the cone: (...), within tol [-] of their size."""
         w = finite_array("wrench", wrench)
         arms = self.stance.points().positions - self.about
         length = float(np.linalg.norm(arms, axis=1).max(initial=0.0)) or 1.0
@@ -174,7 +160,10 @@ class StanceCone:
         return np.asarray(margins >= -tol * np.maximum(1.0, size))
 
     def support(self, direction: ArrayLike, tol: float = 1e-9) -> FloatArray:
-        """Return sup of direction . wrench over the cone for directions (..., 6): (...), 0 or infinity."""
+        """Return sup of twist . wrench [W] over the cone for twists (..., 6) [m/s, rad/s]: 0 or infinity.
+
+        Zero where no contact force has a product above tol [-] times the twist's size for a newton.
+        """
         d = finite_array("direction", direction)
         if d.ndim == 0 or d.shape[-1] != 6:
             raise ProblemError(f"expected directions of shape (..., 6), got {d.shape}")
