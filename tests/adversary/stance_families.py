@@ -111,11 +111,13 @@ def _contacts(rng, family):
 
 
 def corner_contacts(stance: sf.Stance):
-    """Return (position, rotation, mu) of every point and patch corner, worked out here."""
+    """Return (position, rotation, mu) of every point and sole corner, worked out here."""
     out = []
     for c in stance:
         R = np.asarray(c.rotation_world_contact)
-        half = 0.5 * np.array([getattr(c, "length", 0.0), getattr(c, "width", 0.0), 0.0])
+        half = np.zeros(3)
+        if isinstance(c, sf.SoleContact):
+            half[:2] = 0.5 * float(c.sole.length or 0.0), 0.5 * float(c.sole.width or 0.0)
         signs = [(0, 0)] if c.dim == 3 else [(1, 1), (1, -1), (-1, -1), (-1, 1)]
         out += [(c.position + R @ (half * [x, y, 0.0]), R, c.mu) for x, y in signs]
     return out
