@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from surefoot.base.arrays import BoolArray, FloatArray, finite_array, of_kind, real_number, whole_number
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import rotation_from_normal
-from surefoot.contact import Cone, Fit, FrictionCone, FrictionPyramid, Sole, unit_rows
+from surefoot.contact import Cone, Fit, FrictionCone, FrictionPyramid, Sole
 
 AROUND = 16
 """Sides of the pyramids around a sole that an uncertain wrench is held to [-]: within 2 % of friction."""
@@ -252,6 +252,8 @@ class SoleContact(Contact):
 
     def unit_sides(self, facets: int, fit: Fit) -> tuple[FloatArray, BoolArray]:
         """(m, 6) rows [-, m] of the sum of its corners' pyramids, see `Sole.polyhedral`."""
+        from surefoot.contact import unit_rows
+
         return unit_rows(self.sole.corners, whole_number("facets", facets, low=3), fit)
 
     def corners(self) -> list[PointContact]:

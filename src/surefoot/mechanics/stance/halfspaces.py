@@ -14,10 +14,11 @@ from surefoot.base.arrays import FloatArray, finite_array, whole_number
 from surefoot.base.errors import ProblemError, check_name
 from surefoot.contact import Fit
 from surefoot.mechanics.stance.contact import Contact
-from surefoot.mechanics.stance.row_pattern import Block, RowPattern
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
+
+    from surefoot.mechanics.stance.row_pattern import Block, RowPattern
 
 Axes = Literal["contact", "world"]
 
@@ -175,6 +176,8 @@ def halfspaces(
     contacts: Sequence[Contact], facets: int, fit: Fit, axes: Axes, swing: Sequence[bool] | Sequence[str]
 ) -> HalfSpaces:
     """Return the rows of contacts; see `Stance.halfspaces`."""
+    from surefoot.mechanics.stance.row_pattern import RowPattern  # with the first rows that are asked for
+
     mask = _check_request(contacts, facets, axes, swing)
     blocks: list[Block] = []
     rows: list[slice] = []
@@ -218,6 +221,8 @@ def two_sided(
     contacts: Sequence[Contact], facets: int, fit: Fit, axes: Axes, swing: Sequence[bool] | Sequence[str]
 ) -> TwoSidedRows:
     """Return the rows of contacts with both bounds; see `Stance.two_sided`."""
+    from surefoot.mechanics.stance.row_pattern import RowPattern  # with the first rows that are asked for
+
     mask = _check_request(contacts, facets, axes, swing)
     blocks: list[Block] = []
     rows: list[slice] = []
