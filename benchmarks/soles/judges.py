@@ -86,7 +86,8 @@ def least_in_digits(
         context.prec = digits
         places = [[Decimal(float(c)) for c in corner] for corner in corners]
         k = len(places)
-        cx, cy = sum(p[0] for p in places) / k, sum(p[1] for p in places) / k
+        cx: Any = sum(p[0] for p in places) / k
+        cy: Any = sum(p[1] for p in places) / k
         q = [(p[0] - cx, p[1] - cy) for p in places]
         w = [Decimal(float(c)) for c in wrench]
         length = max((x * x + y * y).sqrt() for x, y in q)
@@ -94,7 +95,8 @@ def least_in_digits(
             w[0], w[1], (w[3] - cy * w[2]) / length, (w[4] + cx * w[2]) / length,
             (w[5] - cx * w[1] + cy * w[0]) / length,
         ]  # fmt: skip
-        size = sum(c * c for c in b).sqrt()
+        square: Any = sum(c * c for c in b)
+        size = square.sqrt()
         if size == 0:
             return Decimal(0), Decimal(0)
         b = [c / size for c in b]
@@ -104,7 +106,7 @@ def least_in_digits(
             ([0, 0, y, -x, 0], [[m, 0, 0, 0, -m * y], [0, m, 0, 0, m * x], [0, 0, 0, 0, m * r]])
             for x, y in [(x / length, y / length) for x, y in q]
         ]
-        y = [Decimal(0)] * 5
+        y: list[Any] = [Decimal(0)] * 5
         t = Decimal(10)
         while 2 * k / t > Decimal("1e-20"):
             t *= 20
