@@ -36,7 +36,7 @@ assert report("20 deg, mu 0.6", quadruped_on(20, 0.6), com, mass)
 assert not report("35 deg, mu 0.6", quadruped_on(35, 0.6), com, mass)
 
 # A hand on a wall lets the centre of mass leave the support polygon.
-feet = [sf.PatchContact([0.0, y, 0.0], 0.2, 0.1, mu=0.6) for y in (0.1, -0.1)]
+feet = [sf.SoleContact([0.0, y, 0.0], sf.Sole(0.2, 0.1, mu=0.6)) for y in (0.1, -0.1)]
 hand = sf.PointContact([0.5, 0.2, 1.0], [-1.0, 0.0, 0.0], mu=0.5, heading=[0, 0, 1], normal_max=80.0)
 alone, leaning = sf.Stance(feet), sf.Stance([*feet, hand])
 for title, stance in (("two feet", alone), ("and a hand", leaning)):

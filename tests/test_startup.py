@@ -61,7 +61,7 @@ for each in (cone, cone.dual()):
     each.contains(forces), each.margin(forces), each.project(forces)
 pyramid = cone.polyhedral(facets=8, fit="outer")
 pyramid.contains(forces), pyramid.halfspaces, pyramid.rays, pyramid.fit_error, pyramid.margin([0.0, 0.0, 1.0])
-sf.WrenchCone(0.2, 0.1, 0.6).contains([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+sf.Sole(0.2, 0.1, 0.6).closed_form().contains([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
 ProductCone([cone, cone]).project([0.0] * 6)
 print([name for name in ("numba", "scipy") if name in sys.modules])
 """

@@ -15,6 +15,7 @@ from benchmarks.commands import (
     plan,
     rigid,
     softening,
+    soles,
     speeds,
     stacks,
     statics,
@@ -34,6 +35,6 @@ def bench() -> None:
 for _command in (
     statics.statics, walk.walk, faults.faults, contact.contact, rigid.rigid, forces.forces,
     batch.batch, plan.plan, softening.softening, execution.execution,
-    stacks.stacks, speeds.speeds, wire.wire, ablation.ablation, audit.audit,
+    stacks.stacks, speeds.speeds, wire.wire, ablation.ablation, audit.audit, soles.soles,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(_command)

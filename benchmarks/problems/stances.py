@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
-from surefoot.mechanics.stance import PatchContact, PointContact, Stance
+from surefoot.contact.cones import Sole
+from surefoot.mechanics.stance import PointContact, SoleContact, Stance
 from surefoot.mechanics.stance.contact import Contact
 from surefoot.mechanics.statics.statics import friction_needed
 
@@ -66,5 +67,5 @@ def _contact(rng: np.random.Generator, kind: str, k: int) -> Contact:
     mu = float(rng.uniform(0.1, 1.1))
     if kind == "patches" and rng.random() < 0.6:
         length, width = rng.uniform(0.05, 0.25, size=2)
-        return PatchContact(place, float(length), float(width), normal, mu, heading=rng.normal(size=3))
+        return SoleContact(place, Sole(length, width, mu), normal, heading=rng.normal(size=3))
     return PointContact(place, normal, mu)

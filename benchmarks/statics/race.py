@@ -14,8 +14,9 @@ from benchmarks.problems.stances import StanceCase, random_case
 from benchmarks.statics import rivals
 from benchmarks.timing import Timing, one_core, time_calls
 from surefoot.base.spatial import GRAVITY
+from surefoot.contact.cones import Sole
 from surefoot.contact.cones.representation import convert
-from surefoot.mechanics.stance import PatchContact, PointContact, Stance
+from surefoot.mechanics.stance import PointContact, SoleContact, Stance
 from surefoot.mechanics.stance.stance_batch import StanceBatch
 from surefoot.mechanics.statics.com_region import com_region
 from surefoot.mechanics.statics.statics import can_stand
@@ -240,5 +241,6 @@ def _two_soles(rng: np.random.Generator) -> StanceCase:
     for side in (1.0, -1.0):
         normal = np.array([*rng.normal(size=2) * 0.2, 1.0])
         place = np.array([rng.uniform(-0.1, 0.1), 0.1 * side, rng.uniform(0.0, 0.1)])
-        feet.append(PatchContact(place, 0.2, 0.1, normal / np.linalg.norm(normal), rng.uniform(0.4, 0.9)))
+        sole = Sole(0.2, 0.1, rng.uniform(0.4, 0.9))
+        feet.append(SoleContact(place, sole, normal / np.linalg.norm(normal)))
     return StanceCase(Stance(feet), np.array([0.0, 0.0, 0.8]), 35.0, np.zeros(6), "patches")

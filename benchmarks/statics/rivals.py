@@ -18,7 +18,7 @@ from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import needs
 from surefoot.base.spatial import GRAVITY, skew
 from surefoot.contact.solvers.backends import ConeProgram, Options, backend
-from surefoot.mechanics.stance import Stance
+from surefoot.mechanics.stance import SoleContact, Stance
 
 CAP = 1.0
 """Largest margin that the rivals look for, as a share of the load: squeezing may be unlimited."""
@@ -31,11 +31,13 @@ def load_of(case: StanceCase) -> FloatArray:
 
 
 def corners(stance: Stance) -> list[tuple[FloatArray, FloatArray, float]]:
-    """Return (position, rotation_world_contact, mu) of every point contact and patch corner."""
+    """Return (position, rotation_world_contact, mu) of every point contact and sole corner."""
     out: list[tuple[FloatArray, FloatArray, float]] = []
     for c in stance:
         R = c.rotation_world_contact
-        half = 0.5 * np.array([getattr(c, "length", 0.0), getattr(c, "width", 0.0), 0.0])
+        half = np.zeros(3)
+        if isinstance(c, SoleContact):
+            half[:2] = 0.5 * float(c.sole.length or 0.0), 0.5 * float(c.sole.width or 0.0)
         signs = [(0, 0)] if c.dim == 3 else [(1, 1), (1, -1), (-1, -1), (-1, 1)]
         out.extend((c.position + R @ (half * [x, y, 0.0]), R, c.mu) for x, y in signs)
     return out

@@ -10,7 +10,7 @@ from .base.errors import ProblemError as ProblemError
 from .base.errors import SurefootError as SurefootError
 from .contact.batch import solve_batch as solve_batch
 from .contact.cones import FrictionCone as FrictionCone
-from .contact.cones import WrenchCone as WrenchCone
+from .contact.cones import Sole as Sole
 from .contact.files.formats import read_problem as read_problem
 from .contact.files.formats import write_problem as write_problem
 from .contact.problem import ContactProblem as ContactProblem
@@ -34,8 +34,8 @@ from .mechanics.robot import Robot as Robot
 from .mechanics.robot import load_robot as load_robot
 from .mechanics.robot import place as place
 from .mechanics.robot import robot_names as robot_names
-from .mechanics.stance import PatchContact as PatchContact
 from .mechanics.stance import PointContact as PointContact
+from .mechanics.stance import SoleContact as SoleContact
 from .mechanics.stance import Stance as Stance
 from .mechanics.stance import read_stance as read_stance
 from .mechanics.stance.stance_batch import StanceBatch as StanceBatch
@@ -46,6 +46,7 @@ from .mechanics.statics.statics import can_stand as can_stand
 from .mechanics.statics.statics import friction_needed as friction_needed
 from .mechanics.statics.statics_batch import can_stand_batch as can_stand_batch
 from .mechanics.statics.statics_batch import com_region_batch as com_region_batch
+from .mechanics.statics.wrench_cone import StanceCone as StanceCone
 from .mechanics.statics.wrench_cone import wrench_cone as wrench_cone
 from .mechanics.terrain import FlatTerrain as FlatTerrain
 from .mechanics.terrain import SlopeTerrain as SlopeTerrain

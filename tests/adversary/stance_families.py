@@ -41,13 +41,13 @@ def question(rng: np.random.Generator, family: str, scale: float = 1.0) -> Quest
     """Return one random question of a family, all lengths times `scale`."""
     places, normals, mu = _contacts(rng, family)
     places = scale * np.asarray(places, dtype=float)
-    contacts: list[sf.PointContact | sf.PatchContact] = []
+    contacts: list[sf.PointContact | sf.SoleContact] = []
     for place, normal, friction in zip(places, normals, mu, strict=True):
         normal = np.asarray(normal, dtype=float) / np.linalg.norm(normal)
         if family == "patches":
             length, width = scale * rng.uniform(0.05, 0.25, size=2)
             heading = rng.normal(size=3)
-            contacts.append(sf.PatchContact(place, length, width, normal, friction, heading=heading))
+            contacts.append(sf.SoleContact(place, sf.Sole(length, width, friction), normal, heading=heading))
         else:
             contacts.append(sf.PointContact(place, normal, friction))
     weights = rng.dirichlet(np.ones(len(places)))
@@ -111,11 +111,13 @@ def _contacts(rng, family):
 
 
 def corner_contacts(stance: sf.Stance):
-    """Return (position, rotation, mu) of every point and patch corner, worked out here."""
+    """Return (position, rotation, mu) of every point and sole corner, worked out here."""
     out = []
     for c in stance:
         R = np.asarray(c.rotation_world_contact)
-        half = 0.5 * np.array([getattr(c, "length", 0.0), getattr(c, "width", 0.0), 0.0])
+        half = np.zeros(3)
+        if isinstance(c, sf.SoleContact):
+            half[:2] = 0.5 * float(c.sole.length or 0.0), 0.5 * float(c.sole.width or 0.0)
         signs = [(0, 0)] if c.dim == 3 else [(1, 1), (1, -1), (-1, -1), (-1, 1)]
         out += [(c.position + R @ (half * [x, y, 0.0]), R, c.mu) for x, y in signs]
     return out

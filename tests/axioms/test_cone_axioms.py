@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from surefoot.base.errors import ProblemError
-from surefoot.contact.cones import FrictionCone, PolyhedralCone, ProductCone, WrenchCone
+from surefoot.contact.cones import FrictionCone, PolyhedralCone, ProductCone, Sole
 from tests.pages import blocks, run_page
 
 RNG = np.random.default_rng(7)
@@ -22,8 +22,8 @@ FAMILY = {
     "pyramid, inner": FrictionCone(0.6).polyhedral(5, "inner", 0.3),
     "pyramid, outer": FrictionCone(0.8).polyhedral(8, "outer", 0.1),
     "pyramid, none": FrictionCone(0.0).polyhedral(4),
-    "wrench, coupled": WrenchCone(0.2, 0.1, 0.6),
-    "wrench, outer": WrenchCone(0.1, 0.3, 0.9, "outer"),
+    "wrench, coupled": Sole(0.2, 0.1, 0.6).closed_form(),
+    "wrench, outer": Sole(0.1, 0.3, 0.9).closed_form("outer"),
     "polyhedral, random": PolyhedralCone.from_rays(RNG.normal(size=(7, 4)) + np.array([0, 0, 0, 3])),
     "polyhedral, flat": PolyhedralCone.from_rays([[1, 0, 0], [0, 1, 0]]),
     "polyhedral, line": PolyhedralCone.from_rays([[1, 2, 3], [-1, -2, -3]]),
@@ -31,8 +31,8 @@ FAMILY = {
     "polyhedral, space": PolyhedralCone.from_rays(np.vstack([np.eye(3), -np.ones(3)])),
     "polyhedral, zero": PolyhedralCone.from_rays(np.zeros((0, 3))),
     "the page's, of a friction cone": SHOWN["wall"],
-    "the page's, of a patch": SHOWN["TurnedCone"](WrenchCone(0.2, 0.1, 0.6), SHOWN["turn"]),
-    "product": ProductCone([FrictionCone(3.0), WrenchCone(0.2, 0.1, 0.4), FrictionCone(0.9)]),
+    "the page's, of a sole": SHOWN["TurnedCone"](Sole(0.2, 0.1, 0.6).closed_form(), SHOWN["turn"]),
+    "product": ProductCone([FrictionCone(3.0), Sole(0.2, 0.1, 0.4).closed_form(), FrictionCone(0.9)]),
 }
 cones = pytest.mark.parametrize("cone", FAMILY.values(), ids=FAMILY.keys())
 seeds = st.integers(0, 2**32 - 1)

@@ -8,10 +8,12 @@ from .cones.cone import Cone as Cone
 from .cones.cone import Fit as Fit
 from .cones.friction import FrictionCone as FrictionCone
 from .cones.polyhedral import FrictionPyramid as FrictionPyramid
-from .cones.polyhedral import PolyhedralCone as PolyhedralCone
+from .cones.polyhedral import RayCone as RayCone
+from .cones.polyhedral import most_rows as most_rows
 from .cones.product import ProductCone as ProductCone
 from .cones.representation import Method as Method
-from .cones.wrench_cone import WrenchCone as WrenchCone
+from .cones.sole import Sole as Sole
+from .cones.sole_rows import unit_rows as unit_rows
 from .derivative.solution_derivative import KINK as KINK
 from .derivative.solution_derivative import ContactDerivative as ContactDerivative
 from .derivative.solution_derivative import Kink as Kink

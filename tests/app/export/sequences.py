@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from surefoot.app.export import ContactSequence, SequencePhase
-from surefoot.mechanics.stance import PatchContact, PointContact, Stance
+from surefoot.contact.cones import Sole
+from surefoot.mechanics.stance import PointContact, SoleContact, Stance
 
 FRAMES = ("LF_FOOT", "RF_FOOT", "LH_FOOT", "RH_FOOT")
 
@@ -35,20 +36,19 @@ def random_sequence(
     return ContactSequence(phases, FRAMES, "anymal", float(rng.uniform(1.0, 60.0)), facets, fit)
 
 
-def _contact(rng: np.random.Generator, name: str, patches: bool, lean: float) -> PointContact | PatchContact:
+def _contact(rng: np.random.Generator, name: str, patches: bool, lean: float) -> PointContact | SoleContact:
     normal = rng.normal(size=3) * lean + [0.0, 0.0, 1.0]
     low = float(rng.uniform(0.0, 5.0)) if rng.random() < 0.5 else 0.0
     high = float(rng.uniform(50.0, 500.0)) if rng.random() < 0.5 else math.inf
     common = {
         "position": rng.normal(size=3), "normal": normal / np.linalg.norm(normal),
-        "mu": float(rng.uniform(0.1, 1.2)), "name": name, "normal_min": low, "normal_max": high,
+        "name": name, "normal_min": low, "normal_max": high,
         "heading": rng.normal(size=3),
     }  # fmt: skip
+    mu = float(rng.uniform(0.1, 1.2))
     if patches and rng.random() < 0.3:
-        return PatchContact(
-            length=float(rng.uniform(0.05, 0.3)), width=float(rng.uniform(0.05, 0.2)), **common
-        )
-    return PointContact(**common)
+        return SoleContact(sole=Sole(rng.uniform(0.05, 0.3), rng.uniform(0.05, 0.2), mu), **common)
+    return PointContact(mu=mu, **common)
 
 
 def sampled_forces(sequence: ContactSequence, phase: int, count: int, seed: int) -> np.ndarray:
@@ -63,7 +63,14 @@ def sampled_forces(sequence: ContactSequence, phase: int, count: int, seed: int)
             parts.append(np.hstack([size * np.cos(angle), size * np.sin(angle), load]))
         else:
             spread = np.array(
-                [contact.mu, contact.mu, 0.0, contact.width, contact.length, contact.mu * contact.width]
+                [
+                    contact.mu,
+                    contact.mu,
+                    0.0,
+                    contact.sole.width,
+                    contact.sole.length,
+                    contact.mu * contact.sole.width,
+                ]
             )
             wrench = 0.35 * spread * load * rng.uniform(-1.0, 1.0, size=(count, 6))
             wrench[:, 2:3] = load

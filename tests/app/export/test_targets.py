@@ -33,7 +33,8 @@ def longest(sequence: Any) -> int:
 
 def verdicts(sequence: Any, phase: int, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return which forces our half-spaces allow, and which are too near to a face to tell."""
-    A, b = sequence.bounded_rows(phase)
+    rows = sequence.halfspaces(phase)
+    A, b = rows.A, rows.b
     worst = (forces @ A.T - b).max(axis=1)
     return worst <= 0.0, np.abs(worst) < EDGE
 
@@ -177,7 +178,7 @@ def test_what_ocs2_cannot_say_is_refused() -> None:
     for frames, contacts, told in (
         (5, [], "name 4 feet, the sequence has 5"),
         (2, [], "name 4 feet, the sequence has 2"),
-        (4, [sf.PatchContact((0.0, 0.0, 0.0), length=0.1, width=0.1, name="0")], "0 is a patch"),
+        (4, [sf.SoleContact((0.0, 0.0, 0.0), sf.Sole(0.1, 0.1), name="0")], "0 is a sole"),
         (4, feet, "none is inside that of 0, which leans by 25 deg at mu 0.4"),
     ):
         names = [f"{k}" for k in range(frames)]
@@ -242,7 +243,7 @@ def test_tsids_pyramids_are_inside_the_cones_of_their_contacts(seed: int, tmp_pa
             assert len(allowed) > 20
             assert sf.FrictionCone(contact.mu).contains(local).all()
             for corners in one.corners:
-                assert np.ptp(corners, axis=1).tolist() == [contact.length, contact.width, 0.0]
+                assert np.ptp(corners, axis=1).tolist() == [contact.sole.length, contact.sole.width, 0.0]
 
 
 def ask(python: str, code: str, folder: Path, forces: np.ndarray) -> np.ndarray:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from surefoot import FrictionCone, WrenchCone
+from surefoot import FrictionCone, Sole
 from surefoot.contact.cones.product import ProductCone
 
 
@@ -24,5 +24,5 @@ def test_empty_product():
 
 
 def test_slices_follow_the_dimensions():
-    cone = ProductCone([FrictionCone(0.5), WrenchCone(0.1, 0.1, 0.5), FrictionCone(0.5)])
+    cone = ProductCone([FrictionCone(0.5), Sole(0.1, 0.1, 0.5).closed_form(), FrictionCone(0.5)])
     assert [(s.start, s.stop) for s in cone.slices] == [(0, 3), (3, 9), (9, 12)]

@@ -33,12 +33,14 @@ def random_stance(robot: sf.Robot, q: np.ndarray, rng: np.random.Generator) -> s
     """Return contacts at every foot and at a hand (or what serves as one), each with a normal of its own."""
     data = robot.model.createData()
     pinocchio.framesForwardKinematics(robot.model, data, q)
-    contacts: list[sf.PointContact | sf.PatchContact] = []
+    contacts: list[sf.PointContact | sf.SoleContact] = []
     for foot in robot.feet:
         place = data.oMf[foot.frame].act(foot.centre)
         normal, heading = random_unit(rng), random_unit(rng)
         if foot.flat:
-            contacts.append(sf.PatchContact(place, *foot.size, normal, name=foot.name, heading=heading))
+            contacts.append(
+                sf.SoleContact(place, sf.Sole(*foot.size), normal, name=foot.name, heading=heading)
+            )
         else:
             point = place - foot.radius * normal
             contacts.append(sf.PointContact(point, normal, name=foot.name, heading=heading))

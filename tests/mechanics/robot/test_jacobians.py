@@ -48,7 +48,7 @@ def test_jacobian_of_a_frame_is_pinocchios(case, reference):
         place = robot.model.createData()
         pinocchio.framesForwardKinematics(robot.model, place, q)
         index = robot.model.getFrameId(frame.name)
-        contact = sf.PatchContact(place.oMf[index].translation, 0.1, 0.1, name=frame.name)
+        contact = sf.SoleContact(place.oMf[index].translation, sf.Sole(0.1, 0.1), name=frame.name)
         ours = contact_jacobian(robot, q, sf.Stance([contact]), reference)
         theirs = pinocchio.computeFrameJacobian(robot.model, place, q, index, kind)
         if reference == "world":

@@ -28,7 +28,7 @@ def test_g1_has_flat_feet_with_soles_from_the_urdf() -> None:
         assert foot.flat
         np.testing.assert_allclose(foot.size, [0.17, 0.05], atol=1e-9)
     stance = robot.stance()
-    assert all(isinstance(contact, sf.PatchContact) for contact in stance)
+    assert all(isinstance(contact, sf.SoleContact) for contact in stance)
     assert stance.dim == 12
 
 

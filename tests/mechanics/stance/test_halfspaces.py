@@ -65,26 +65,28 @@ def test_rows_are_the_pyramids_and_the_bounds(facets: int, fit: str) -> None:
 
 
 def test_rows_of_each_contact_are_where_it_says() -> None:
-    patch = sf.PatchContact([0.0, 0.1, 0.0], 0.2, 0.1, name="left")
-    stance = sf.Stance([patch, *quadruped().contacts[:2]])
+    sole = sf.Sole(0.2, 0.1)
+    stance = sf.Stance([sf.SoleContact([0.0, 0.1, 0.0], sole, name="left"), *quadruped().contacts[:2]])
     rows = stance.halfspaces(4, swing=[False, True, False])
-    assert rows.rows == (slice(0, 18), slice(0, 3), slice(18, 24))
+    assert rows.rows == (slice(0, 33), slice(0, 3), slice(33, 39))
     assert rows.swing == (False, True, False)
-    assert np.array_equal(rows.A[:16, :6], sf.WrenchCone(0.2, 0.1, 0.6).halfspaces)
-    assert not rows.A[:18, 6:].any()
+    assert np.array_equal(rows.A[:32, :6], sole.polyhedral(4).halfspaces)
+    assert not rows.A[:33, 6:].any()
     assert not rows.A[:, 6:9].any()
     assert np.array_equal(rows.E[:, 6:9], np.eye(3))
-    assert rows.b[17] == np.inf
+    assert np.isfinite(rows.b).all()
     assert rows.b[-2:].tolist() == [-10.0, 500.0]
 
 
-def test_the_number_of_rows_depends_on_neither_friction_nor_bounds() -> None:
-    """A QP is set up once: other friction, other bounds, the same rows."""
-    for mu, low, high in ((0.0, 0.0, np.inf), (0.6, 0.0, np.inf), (1.5, 5.0, 90.0)):
+def test_the_number_of_rows_depends_on_friction_no_more_than_on_the_bounds_values() -> None:
+    """A QP is set up once: other friction, other bounds, the same rows; no upper bound is no row."""
+    for mu, low, high in ((0.0, 0.0, np.inf), (0.6, 0.0, np.inf), (1.5, 5.0, 90.0), (0.0, 1.0, 1.0)):
         stance = sf.Stance([sf.PointContact(p, mu=mu, normal_min=low, normal_max=high) for p in FEET])
         rows = stance.halfspaces(4)
-        assert rows.A.shape == (24, 12)
+        assert rows.A.shape == (20 if high == np.inf else 24, 12)
+        assert np.isfinite(rows.b).all()
         assert rows.violation(np.zeros(12)) == low  # what is lacking, or nothing
+        assert stance.two_sided(4).A.shape == (20, 12)
     assert quadruped(mu=0.0).halfspaces(4).violation(np.tile([0.1, 0.0, 100.0], 4)) > 0.0
 
 

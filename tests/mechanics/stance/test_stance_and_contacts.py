@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from surefoot import PatchContact, PointContact, ProblemError, Stance
+from surefoot import PointContact, ProblemError, Sole, SoleContact, Stance
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -23,7 +23,7 @@ def random_stance(rng, count=4):
         else:
             length, width = rng.uniform(0.05, 0.3, 2)
             contacts.append(
-                PatchContact(place, length, width, normal, rng.uniform(0, 1), f"c{k}", heading=heading)
+                SoleContact(place, Sole(length, width, rng.uniform(0, 1)), normal, f"c{k}", heading=heading)
             )
     return Stance(contacts)
 
@@ -68,7 +68,7 @@ def test_stance_keeps_order_and_drops_named_contacts():
 
 def test_with_friction_changes_nothing_else():
     stance = Stance(
-        [PointContact([0, 0, 0], mu=0.3, normal_max=5.0), PatchContact([1, 0, 0], 0.1, 0.1, mu=0.9)]
+        [PointContact([0, 0, 0], mu=0.3, normal_max=5.0), SoleContact([1, 0, 0], Sole(0.1, 0.1, mu=0.9))]
     )
     twin = stance.with_friction(0.5)
     assert twin.mu.tolist() == [0.5, 0.5]
@@ -99,9 +99,10 @@ def test_bad_contacts_are_named(change, message):
         PointContact(**({"position": [0, 0, 0]} | change))
 
 
-def test_bad_patches_and_stances_are_named():
-    for length, width in ((0.0, 0.1), (0.1, -1.0), (math.inf, 0.1)):
-        with pytest.raises(ProblemError, match=r"length|width"):
-            PatchContact([0, 0, 0], length, width)
+def test_bad_soles_and_stances_are_named():
+    with pytest.raises(ProblemError, match="sole must be"):
+        SoleContact([0, 0, 0], (0.2, 0.1))
+    with pytest.raises(ProblemError, match="without a torsional radius"):
+        SoleContact([0, 0, 0], Sole(0.2, 0.1, 0.6, torsional_radius=0.01))
     with pytest.raises(ProblemError, match=r"contacts\[1\].*str"):
         Stance([PointContact([0, 0, 0]), "foot"])

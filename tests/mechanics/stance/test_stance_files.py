@@ -23,7 +23,7 @@ def test_what_a_file_says_is_what_is_read(tmp_path):
     point, patch = asked.stance
     assert (point.name, point.mu, point.normal_min, point.normal_max) == ("a", 0.7, 1.0, 90.0)
     np.testing.assert_allclose(point.normal, [0.6, 0.0, 0.8])
-    assert (patch.name, patch.mu, patch.length, patch.width) == ("b", 0.6, 0.2, 0.1)
+    assert (patch.name, patch.mu, patch.sole.length, patch.sole.width) == ("b", 0.6, 0.2, 0.1)
     np.testing.assert_allclose(patch.rotation_world_contact[:, 0], [0.0, 1.0, 0.0])
 
 
@@ -50,7 +50,7 @@ GOOD = "mass: 10\ncom: [0, 0, 0.5]\ncontacts:\n  - {name: a, position: [0, 0, 0]
         (GOOD.replace("[0, 0, 0.5]", "[0, 0, .nan]"), r"com\[2\] is NaN"),
         (GOOD.replace("name: a", "nmae: a"), r"contacts\[0\]: unknown key 'nmae'; valid names"),
         (GOOD.replace("name: a", "normal: [0, 0, 2]"), r"contacts\[0\]: normal must have length 1"),
-        (GOOD.replace("name: a", "length: 0.1"), "a patch needs length and width"),
+        (GOOD.replace("name: a", "length: 0.1"), "a sole needs length and width"),
         (GOOD.replace("position: [0, 0, 0]", "mu: 0.5"), r"contacts\[0\]: position is missing"),
         (GOOD.replace("name: a", "mu: -3"), r"contacts\[0\]: mu"),
         ("mass: 1\ncom: [0, 0, 0]\ncontacts: 3\n", "contacts must be a list"),

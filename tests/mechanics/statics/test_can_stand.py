@@ -31,10 +31,12 @@ def moved(stance, R, shift, length=1.0):
     """The same stance turned, put elsewhere and in another unit of length."""
     contacts = []
     for c in stance:
-        kind, sizes = (sf.PointContact, ()) if c.dim == 3 else (sf.PatchContact, (c.length, c.width))
         place, heading = length * R @ c.position + shift, R @ c.rotation_world_contact[:, 0]
-        sizes = [length * size for size in sizes]
-        contacts.append(kind(place, *sizes, normal=R @ c.normal, mu=c.mu, heading=heading))
+        if c.dim == 3:
+            contacts.append(sf.PointContact(place, R @ c.normal, c.mu, heading=heading))
+        else:
+            sole = sf.Sole.of_corners(length * c.sole.corners, c.mu)
+            contacts.append(sf.SoleContact(place, sole, R @ c.normal, heading=heading))
     return sf.Stance(contacts)
 
 

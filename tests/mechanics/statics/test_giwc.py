@@ -67,12 +67,15 @@ def test_no_contacts_and_no_friction():
 
 
 def test_growth_is_reported_before_it_explodes():
-    patches = sf.Stance([sf.PatchContact([k, 0, 0], 0.2, 0.1) for k in range(6)])
+    patches = sf.Stance([sf.SoleContact([k, 0, 0], sf.Sole(0.2, 0.1)) for k in range(6)])
     size = wrench_cone_size(patches, facets=8)
     assert size.rays == 6 * 4 * 8
     assert size.most_rows > 30_000
+    cone = sf.wrench_cone(patches, facets=8, most_rows=20_000)
+    assert cone.contains([0, 0, 1, 0, -2.5, 0])
+    assert not cone.contains([0, 0, 1, 0, 1, 0])
     with pytest.raises(ProblemError, match=r"192 rays may have up to .* half-spaces"):
-        sf.wrench_cone(patches, facets=8)
+        _ = cone.halfspaces
     few = wrench_cone_size(sf.Stance([sf.PointContact([0, 0, 0])]), facets=4)
     assert few.rays == 4
     rng = np.random.default_rng(2)

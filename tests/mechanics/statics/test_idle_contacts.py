@@ -17,8 +17,10 @@ def test_a_contact_that_is_off_is_left_out():
     for facets in (None, 3, 12):
         for k in range(8):
             case = random_case(rng, KINDS[k % 5], contacts=4)
-            kind, sizes = (sf.PointContact, ()) if k % 2 else (sf.PatchContact, (0.2, 0.1))
-            off = kind(rng.normal(size=3), *sizes, mu=10.0 ** rng.uniform(-6, 0), normal_max=0.0)
+            place, mu = rng.normal(size=3), 10.0 ** rng.uniform(-6, 0)
+            off: sf.PointContact | sf.SoleContact = sf.PointContact(place, mu=mu, normal_max=0.0)
+            if k % 2 == 0:
+                off = sf.SoleContact(place, sf.Sole(0.2, 0.1, mu), normal_max=0.0)
             more = sf.Stance([*case.stance, off])
             without = ask(case, facets=facets)
             verdict = sf.can_stand(more, case.com, case.mass, case.external_wrench, facets)

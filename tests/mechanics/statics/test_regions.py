@@ -35,7 +35,7 @@ def rough_cases(count, seed, kinds=("tilted", "patches", "chimney")):
 
 
 def test_level_ground_gives_the_support_polygon():
-    for stance in (level(), sf.Stance([sf.PatchContact([0, y, 0], 0.2, 0.1) for y in (0.1, -0.1)])):
+    for stance in (level(), sf.Stance([sf.SoleContact([0, y, 0], sf.Sole(0.2, 0.1)) for y in (0.1, -0.1)])):
         region, support = sf.com_region(stance, 15.0), support_polygon(stance)
         assert region.area == pytest.approx(polygon_area(support), rel=1e-5)
         assert max(region.distance(corner) for corner in support) < 1e-5
@@ -60,7 +60,7 @@ def test_regions_between_bounds_are_traced_to_the_end(seed):
         bounds = [{"normal_min": a, "normal_max": a + b} for a, b in rng.uniform(0, [[30.0, 190.0]] * 4)]
         mu = rng.choice([1e-6, 0.2, 0.9, 10.0], 4)
         contacts = [sf.PointContact([*p, 0], mu=m, **b) for p, m, b in zip(FEET, mu, bounds, strict=True)]
-        stance = sf.Stance([sf.PatchContact([*FEET[0], 0], 0.2, 0.1, **bounds[0]), *contacts[1:]])
+        stance = sf.Stance([sf.SoleContact([*FEET[0], 0], sf.Sole(0.2, 0.1), **bounds[0]), *contacts[1:]])
         region = sf.com_region(stance, 15.0, external_wrench=rng.normal(size=6))
         assert region.converged
 

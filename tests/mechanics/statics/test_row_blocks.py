@@ -26,7 +26,7 @@ def bounded_stance(rng, count, share, patches=False):
     for k in range(count):
         place, normal = rng.uniform(-0.5, 0.5, 3), unit([*rng.normal(0.0, 0.3, 2), 1.0])
         mu, bounds = rng.uniform(0.2, 1.0), {"normal_min": 0.01 * most[k], "normal_max": most[k]}
-        foot = sf.PatchContact(place, 0.1, 0.05, normal, mu, **bounds) if patches else None
+        foot = sf.SoleContact(place, sf.Sole(0.1, 0.05, mu), normal, **bounds) if patches else None
         out.append(foot or sf.PointContact(place, normal, mu, **bounds))
     return sf.Stance(out)
 

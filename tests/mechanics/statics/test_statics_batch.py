@@ -82,7 +82,7 @@ def test_one_stance_among_many_is_that_stance_bit_by_bit() -> None:
 
 
 def test_patches_bounds_and_no_contacts_at_all() -> None:
-    patch = sf.PatchContact([0.0, 0.0, 0.0], 0.2, 0.1, mu=0.5)
+    patch = sf.SoleContact([0.0, 0.0, 0.0], sf.Sole(0.2, 0.1, mu=0.5))
     bounded = sf.Stance([sf.PointContact(p, mu=0.6, normal_max=40.0) for p in FEET])
     stances = [sf.Stance([patch]), bounded, sf.Stance([]), sf.Stance([sf.PointContact(FEET[0], mu=1e6)])]
     for com in ([0.0, 0.0, 0.3], [0.09, 0.0, 0.3], [0.3, 0.0, 0.3]):
@@ -146,7 +146,7 @@ def test_regions_are_those_of_the_single_calls() -> None:
 
 def test_regions_of_objects_at_a_height_and_with_patches() -> None:
     stances = [
-        sf.Stance([sf.PatchContact([0.1, 0.0, 0.0], 0.2, 0.1), sf.PointContact([-0.2, 0.1, 0.1])]),
+        sf.Stance([sf.SoleContact([0.1, 0.0, 0.0], sf.Sole(0.2, 0.1)), sf.PointContact([-0.2, 0.1, 0.1])]),
         sf.Stance([sf.PointContact(p, normal_max=60.0) for p in FEET]),
         sf.Stance([]),
     ]

@@ -12,7 +12,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray, finite_array, real_number, whole_number
 from surefoot.base.errors import ProblemError, check_name
 from surefoot.contact import Fit
-from surefoot.mechanics.stance import HalfSpaces, Stance
+from surefoot.mechanics.stance import HalfSpaces, SoleContact, Stance
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,8 +136,16 @@ class ContactSequence:
         """Return the half-spaces of a phase's stacked forces, in contact frames."""
         return self.phases[phase].stance.halfspaces(self.facets, self.fit)
 
-    def bounded_rows(self, phase: int) -> tuple[FloatArray, FloatArray]:
-        """Return A (m, dim) [-, m], b (m,) [N, N m] of A @ forces <= b, without rows that bound nothing."""
-        rows = self.halfspaces(phase)
-        kept = np.isfinite(rows.b)
-        return rows.A[kept], rows.b[kept]
+
+def rectangle_of(contact: SoleContact) -> tuple[float, float]:
+    """Return length and width [m] of a contact's sole.
+
+    Raises
+    ------
+    ProblemError
+        For a sole that is no rectangle: sequences hold no others.
+    """
+    length, width = contact.sole.length, contact.sole.width
+    if length is None or width is None:
+        raise ProblemError(f"a contact sequence holds rectangular soles, {contact.name} has {contact.sole!r}")
+    return length, width

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from surefoot.app.export.sequence import ContactSequence, SequencePhase
+from surefoot.app.export.sequence import ContactSequence, SequencePhase, rectangle_of
 from surefoot.base.arrays import FloatArray, finite_array, of_kind
 from surefoot.base.errors import ProblemError, located, shown, writing
 from surefoot.base.text_files import path_of, read_json
-from surefoot.mechanics.stance import Contact, PatchContact, PointContact, Stance
+from surefoot.contact import Sole
+from surefoot.mechanics.stance import Contact, PointContact, SoleContact, Stance
 
 if TYPE_CHECKING:
     from surefoot.app.export.sequence_keys import Contact as ContactKeys
@@ -103,12 +104,12 @@ def _phase_entry(sequence: ContactSequence, number: int) -> dict[str, Any]:
     phase, at, contacts = sequence.phases[number], 0, []
     for contact in phase.stance:
         rows = Stance([contact]).halfspaces(sequence.facets, sequence.fit)
-        kept = np.isfinite(rows.b)
         force = None if phase.forces is None else phase.forces[at : at + contact.dim].tolist()
         at += contact.dim
         patch = None
-        if isinstance(contact, PatchContact):
-            patch = {"length": contact.length, "width": contact.width}
+        if isinstance(contact, SoleContact):
+            length, width = rectangle_of(contact)
+            patch = {"length": length, "width": width}
         contacts.append(
             {
                 "frame": contact.name,
@@ -118,7 +119,7 @@ def _phase_entry(sequence: ContactSequence, number: int) -> dict[str, Any]:
                 "normal_min": contact.normal_min,
                 "normal_max": contact.normal_max if math.isfinite(contact.normal_max) else None,
                 "patch": patch,
-                "halfspaces": {"A": rows.A[kept].tolist(), "b": rows.b[kept].tolist()},
+                "halfspaces": {"A": rows.A.tolist(), "b": rows.b.tolist()},
                 "force": force,
             }
         )
@@ -145,12 +146,16 @@ def _contact(where: str, given: ContactKeys, friction: Friction) -> tuple[Contac
             raise ProblemError("rotation must be a rotation: orthonormal, right-handed")
         high = given.get("normal_max")
         options: dict[str, Any] = {
-            "position": given["position"], "normal": (0.0, 0.0, 1.0), "mu": given["mu"],
+            "position": given["position"], "normal": (0.0, 0.0, 1.0),
             "name": given["frame"], "normal_min": given.get("normal_min", 0.0),
             "normal_max": math.inf if high is None else high,
         }  # fmt: skip
         patch = given.get("patch")
-        contact = PointContact(**options) if patch is None else PatchContact(**patch, **options)
+        contact: Contact
+        if patch is None:
+            contact = PointContact(mu=given["mu"], **options)
+        else:
+            contact = SoleContact(sole=Sole(patch["length"], patch["width"], given["mu"]), **options)
         contact.rotation_world_contact = turn  # as written, to the last bit
         _check_rows(contact, given.get("halfspaces"), friction)
         force = given.get("force")
@@ -162,9 +167,8 @@ def _check_rows(contact: Contact, given: HalfSpaces | None, friction: Friction) 
     if given is None:
         return
     rows = Stance([contact]).halfspaces(friction["facets"], friction["fit"])
-    kept = np.isfinite(rows.b)
     A = finite_array("halfspaces.A", given["A"], (None, contact.dim))
     b = finite_array("halfspaces.b", given["b"], (None,))
-    for name, have, own in (("A", A, rows.A[kept]), ("b", b, rows.b[kept])):
+    for name, have, own in (("A", A, rows.A), ("b", b, rows.b)):
         if have.shape != own.shape or np.abs(have - own).max(initial=0.0) > SAME * (1.0 + np.abs(own).max()):
             raise ProblemError(f"halfspaces.{name} is not that of its mu, bounds, facets and fit")

@@ -76,7 +76,7 @@ def _ground(axis: Any, stance: Stance, region: Region, com: FloatArray) -> None:
 
 
 def _cone(axis: Any, contact: Contact, height: float) -> None:
-    """Draw a friction cone as a surface; a patch as its outline and one cone in the middle."""
+    """Draw a friction cone as a surface; a sole as its outline and one cone in the middle."""
     p = contact.position
     height = min(height, height / max(contact.mu, 1e-9) * 0.8)
     rim = p + cone_rim(contact.mu, height, contact.rotation_world_contact, 40)
@@ -84,18 +84,18 @@ def _cone(axis: Any, contact: Contact, height: float) -> None:
     axis.plot_surface(*np.moveaxis(sheet, -1, 0), color=MUTED, alpha=0.22, linewidth=0)
     axis.plot(*rim.T, color=MUTED, lw=0.7)
     if contact.dim == 6:
-        axis.plot(*_patch(contact).T, color=INK, lw=1.4)
+        axis.plot(*_sole(contact).T, color=INK, lw=1.4)
     else:
         axis.scatter(*p, s=14, color=INK, depthshade=False)
 
 
-def _patch(contact: Contact) -> FloatArray:
-    """Return the (5, 3) outline of a patch, closed."""
+def _sole(contact: Contact) -> FloatArray:
+    """Return the (k + 1, 3) outline of a sole, closed."""
     return ring(np.array([c.position for c in contact.corners()]))  # type: ignore[attr-defined]
 
 
 def _forces(axis: Any, stance: Stance, verdict: Verdict, size: float) -> None:
-    """Draw contact forces as arrows, from the centre of pressure of a patch."""
+    """Draw contact forces as arrows, from the centre of pressure of a sole."""
     forces = verdict.by_contact()
     longest = max((float(np.linalg.norm(f[:3])) for f in forces), default=0.0)
     for contact, force in zip(stance, forces, strict=True):
@@ -176,7 +176,7 @@ def _feet(axis: Any, stance: Stance) -> None:
     """Draw contacts from above, with their names."""
     for contact in stance:
         if contact.dim == 6:
-            axis.plot(*_patch(contact)[:, :2].T, color=MUTED, lw=0.9)
+            axis.plot(*_sole(contact)[:, :2].T, color=MUTED, lw=0.9)
         else:
             axis.plot(*contact.position[:2], "o", color=MUTED, ms=4)
         label = {"xytext": (4, 4), "textcoords": "offset points", "fontsize": 7, "color": INK}

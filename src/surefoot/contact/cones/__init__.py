@@ -5,5 +5,6 @@ from surefoot.contact.cones.friction import FrictionCone as FrictionCone
 from surefoot.contact.cones.polyhedral import FitError as FitError
 from surefoot.contact.cones.polyhedral import FrictionPyramid as FrictionPyramid
 from surefoot.contact.cones.polyhedral import PolyhedralCone as PolyhedralCone
+from surefoot.contact.cones.polyhedral import RayCone as RayCone
 from surefoot.contact.cones.product import ProductCone as ProductCone
-from surefoot.contact.cones.wrench_cone import WrenchCone as WrenchCone
+from surefoot.contact.cones.sole import Sole as Sole

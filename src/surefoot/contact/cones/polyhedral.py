@@ -44,14 +44,24 @@ class PolyhedralCone(Cone):
     """
 
     def __init__(self, halfspaces: ArrayLike, rays: ArrayLike) -> None:
-        self.halfspaces = finite_array("halfspaces", halfspaces, (None, None))
-        self.rays = finite_array("rays", rays, (None, None))
-        if self.halfspaces.shape[1] != self.rays.shape[1]:
+        self._halfspaces = finite_array("halfspaces", halfspaces, (None, None))
+        self._rays = finite_array("rays", rays, (None, None))
+        if self._halfspaces.shape[1] != self._rays.shape[1]:
             raise ProblemError(
-                f"halfspaces and rays must have the same dimension, got {self.halfspaces.shape[1]} "
-                f"and {self.rays.shape[1]}"
+                f"halfspaces and rays must have the same dimension, got {self._halfspaces.shape[1]} "
+                f"and {self._rays.shape[1]}"
             )
-        self.dim = self.halfspaces.shape[1]
+        self.dim = self._halfspaces.shape[1]
+
+    @property
+    def halfspaces(self) -> FloatArray:
+        """(m, dim) outward normals."""
+        return self._halfspaces
+
+    @property
+    def rays(self) -> FloatArray:
+        """(r, dim) generators."""
+        return self._rays
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}(dim={self.dim}, {len(self.halfspaces)} rows, {len(self.rays)} rays)"
@@ -125,6 +135,93 @@ class PolyhedralCone(Cone):
     def dual(self) -> PolyhedralCone:
         """Return the dual cone: its rays are minus the half-spaces, its half-spaces minus the rays."""
         return PolyhedralCone(-self.rays, -self.halfspaces)
+
+
+class RayCone(PolyhedralCone):
+    """A cone whose rays are given and whose half-spaces are worked out when they are asked for.
+
+    Membership, projection and support go by the rays, without half-spaces, which can be many thousands.
+
+    Parameters
+    ----------
+    rays
+        (r, dim), in the unit of the cone's points; zero rows and redundant ones are welcome.
+    method
+        "qhull" or "cdd": see `surefoot.contact.cones.representation`.
+    most_rows
+        Half-spaces that may be expected at most where they are asked for.
+
+    Examples
+    --------
+    >>> cone = RayCone([[1, 0, 1], [0, 1, 1], [-1, 0, 1], [0, -1, 1], [0, 0, 1]])
+    >>> cone, bool(cone.contains([0.4, 0.4, 1.0]))
+    (RayCone(dim=3, 5 rays), True)
+    >>> len(cone.halfspaces), cone
+    (4, RayCone(dim=3, 4 rows, 4 rays))
+    """
+
+    def __init__(self, rays: ArrayLike, method: Method = "qhull", most_rows: float = math.inf) -> None:
+        given = finite_array("rays", rays, (None, None))
+        super().__init__(np.zeros((0, given.shape[1])), given)
+        self._method, self._most_rows, self._converted = method, most_rows, False
+
+    def __repr__(self) -> str:
+        rows = f"{len(self._halfspaces)} rows, " if self._converted else ""
+        return f"RayCone(dim={self.dim}, {rows}{len(self._rays)} rays)"
+
+    @property
+    def halfspaces(self) -> FloatArray:
+        """(m, dim) outward normals of length one, worked out once; redundant rays are dropped with that.
+
+        Raises
+        ------
+        ProblemError
+            If there may be more than `most_rows`.
+        """
+        if not self._converted:
+            from surefoot.contact.cones.representation import convert
+
+            most = most_rows(len(self._rays), self.dim)
+            if most > self._most_rows:
+                raise ProblemError(
+                    f"{len(self._rays)} rays may have up to {most} half-spaces, more than most_rows="
+                    f"{self._most_rows:g}: use fewer facets or contacts, raise most_rows, or go by "
+                    "`contains`, which needs no half-spaces"
+                )
+            self._halfspaces, kept = convert(self._rays, self._method)
+            self._rays, self._converted = self._rays[kept], True
+        return self._halfspaces
+
+    def contains(self, x: ArrayLike, tol: float = 1e-9) -> BoolArray:
+        """Tell whether x (..., dim), in any unit, is within tol max(1, ||x||) of the cone: (...)."""
+        points = self._points(x)
+        scale = np.maximum(1.0, np.linalg.norm(points, axis=-1))
+        finite = np.isfinite(points).all(axis=-1)
+        near = self.project(np.where(np.asarray(finite)[..., None], points, 0.0))
+        return np.asarray(finite & (np.linalg.norm(points - near, axis=-1) <= tol * scale))
+
+    def support(self, direction: ArrayLike, tol: float = 1e-9) -> FloatArray:
+        """Return sup of direction . x over the cone for (..., dim) directions: (...), 0 or infinity."""
+        d = self._points(direction)
+        size = np.linalg.norm(self._rays, axis=1)
+        unit = self._rays[size > 0.0] / size[size > 0.0, None]
+        over = np.max(d @ unit.T, axis=-1, initial=-np.inf)
+        return np.where(over <= tol * np.maximum(1.0, np.linalg.norm(d, axis=-1)), 0.0, np.inf)
+
+
+def most_rows(rays: int, dim: int) -> int:
+    """Return an upper bound on the half-spaces of a cone with so many rays, pointed and of full dimension.
+
+    Facets of the cyclic polytope that is its section, of dimension d = dim - 1 (P. McMullen, "The maximum
+    numbers of faces of a convex polytope", Mathematika 17, 1970).
+    """
+    d = dim - 1
+    if rays <= dim:
+        return rays + dim
+    half = d // 2
+    if d % 2:
+        return 2 * math.comb(rays - half - 1, half)
+    return math.comb(rays - half, half) + math.comb(rays - half - 1, half - 1)
 
 
 @dataclass(frozen=True)

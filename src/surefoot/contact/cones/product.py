@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray
+from surefoot.base.errors import ProblemError
 from surefoot.contact.cones.cone import Cone
+
+if TYPE_CHECKING:
+    from surefoot.contact.cones.sole import Sole
 
 
 class ProductCone(Cone):
@@ -18,10 +23,11 @@ class ProductCone(Cone):
     Parameters
     ----------
     cones
-        The factors, in the order of the stacked vector; none at all gives the cone {()} of dimension 0.
+        The factors, in the order of the stacked vector; none at all gives the cone {()} of dimension 0. Soles
+        bring their own metric for `project` and their own `margin`.
     """
 
-    def __init__(self, cones: Sequence[Cone]) -> None:
+    def __init__(self, cones: Sequence[Cone | Sole]) -> None:
         self.cones = tuple(cones)
         ends = np.cumsum([0, *(c.dim for c in self.cones)])
         self.slices = tuple(slice(int(a), int(b)) for a, b in pairwise(ends))
@@ -53,5 +59,23 @@ class ProductCone(Cone):
         return np.asarray(np.where(distance > 0.0, -distance, margins.min(axis=-1)))
 
     def dual(self) -> ProductCone:
-        """Return the product of the duals."""
-        return ProductCone([c.dual() for c in self.cones])
+        """Return the product of the duals.
+
+        Raises
+        ------
+        ProblemError
+            If a factor is a sole, whose metric is its own.
+        """
+        soles = [c for c in self.cones if not isinstance(c, Cone)]
+        if soles:
+            raise ProblemError(
+                f"no dual cone is built for {soles[0]!r}; take `support`, which tells of its polar"
+            )
+        return ProductCone([c.dual() for c in self.cones if isinstance(c, Cone)])
+
+    def support(self, direction: ArrayLike, tol: float = 1e-9) -> FloatArray:
+        """Return sup of direction . x over the product, factor by factor: (...), 0 or infinity."""
+        d = self._points(direction)
+        parts = zip(self.cones, self.slices, strict=True)
+        found = [c.support(d[..., s], tol) for c, s in parts]
+        return np.asarray(np.max(found, axis=0)) if found else np.zeros(d.shape[:-1])

@@ -39,7 +39,7 @@ class Foot:
 
     @property
     def flat(self) -> bool:
-        """Whether it is a flat foot, whose contact is a patch."""
+        """Whether it is a flat foot, whose contact is a sole."""
         return len(self.centres) >= 3
 
     @property

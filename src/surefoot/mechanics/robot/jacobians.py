@@ -58,7 +58,7 @@ class Attachment:
     offset
         (3,) the point in that frame [m].
     dim
-        3 for a point, 6 for a patch.
+        3 for a point, 6 for a sole.
     position, rotation_world_frame
         (3,) [m] and (3, 3): the point and that frame's axes when attached, the anchor of
         `contact_error`.
@@ -88,7 +88,7 @@ def attach(robot: Robot, q: ArrayLike, stance: Stance) -> tuple[Attachment, ...]
     Parameters
     ----------
     robot
-        Each contact's name must be one of its frames (`Robot.stance` names them so; corners of a patch,
+        Each contact's name must be one of its frames (`Robot.stance` names them so; corners of a sole,
         "foot.0", belong to "foot") or a foot's short name.
     q
         (nq,) configuration [m, -, rad]; a hand on a wall is a contact like any other.
@@ -144,7 +144,7 @@ def contact_jacobian(
     contacts
         A stance, or what `attach` returned.
     reference
-        See the table at the top of this module. Points have three rows (linear velocity), patches six
+        See the table at the top of this module. Points have three rows (linear velocity), soles six
         [linear; angular].
 
     Returns
@@ -237,7 +237,7 @@ def contact_error(robot: Robot, q: ArrayLike, contacts: Sequence[Attachment]) ->
     Returns
     -------
     FloatArray
-        (sum of dims,): displacement [m] of each contact and, for a patch, the rotation vector [rad].
+        (sum of dims,): displacement [m] of each contact and, for a sole, the rotation vector [rad].
     """
     import pinocchio
 

@@ -14,13 +14,14 @@ from numpy.typing import ArrayLike
 from surefoot.base.arrays import FloatArray, finite_array, of_kind, per_contact
 from surefoot.base.errors import ModelError, ProblemError, unknown_name
 from surefoot.base.libraries import import_pinocchio
+from surefoot.contact import Sole
 from surefoot.mechanics.robot import catalog
 from surefoot.mechanics.robot.contact_points import ContactPoints, contact_points
 from surefoot.mechanics.robot.foot import Foot, frame_names, read_foot, shaped_foot
 from surefoot.mechanics.robot.mjcf import is_mjcf, nominal_of, read_mjcf
 from surefoot.mechanics.robot.nominal import bend_legs
 from surefoot.mechanics.robot.parser_output import parser_output
-from surefoot.mechanics.stance import Contact, PatchContact, PointContact, Stance
+from surefoot.mechanics.stance import Contact, PointContact, SoleContact, Stance
 from surefoot.mechanics.terrain import FlatTerrain, Terrain
 
 NOMINAL_POSES = ("standing", "half_sitting")
@@ -214,11 +215,12 @@ class Robot:
             place = pose.act(foot.centre)
             normal = ground.normal(place[:2])
             point = place - foot.radius * normal
-            shared = (normal, float(friction), foot.name, normal_min, normal_max)
-            if foot.flat:  # its toes say where the patch's x axis points
-                contacts.append(PatchContact(point, foot.size[0], foot.size[1], *shared, pose.rotation[:, 0]))
+            shared = (foot.name, normal_min, normal_max)
+            if foot.flat:  # its toes say where the sole's x axis points
+                sole = Sole(foot.size[0], foot.size[1], float(friction))
+                contacts.append(SoleContact(point, sole, normal, *shared, pose.rotation[:, 0]))
             else:
-                contacts.append(PointContact(point, *shared))
+                contacts.append(PointContact(point, normal, float(friction), *shared))
         return Stance(contacts)
 
     def _forward(self, q: FloatArray) -> None:

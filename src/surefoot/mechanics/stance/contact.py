@@ -1,17 +1,23 @@
-"""One contact between a robot and the ground: a point or a rectangular patch."""
+"""One contact between a robot and the ground: a point or a sole."""
 
 from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from copy import copy
+from functools import lru_cache
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.base.arrays import FloatArray, finite_array, real_number
+from surefoot.base.arrays import BoolArray, FloatArray, finite_array, of_kind, real_number, whole_number
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import rotation_from_normal
-from surefoot.contact import Cone, Fit, FrictionCone, WrenchCone
+from surefoot.contact import Cone, Fit, FrictionCone, FrictionPyramid, Sole
+
+AROUND = 16
+"""Sides of the pyramids around a sole that an uncertain wrench is held to [-]: within 2 % of friction."""
 
 
 def _position(value: ArrayLike) -> FloatArray:
@@ -54,12 +60,12 @@ def _three(value: ArrayLike) -> tuple[float, float, float] | None:
 
 
 class Contact(ABC):
-    """What a point and a patch share: place, frame, friction and bounds on the normal force.
+    """What a point and a sole share: place, frame, friction and bounds on the normal force.
 
     Parameters
     ----------
     position
-        (3,) in world axes [m]; the centre, for a patch.
+        (3,) in world axes [m]; of the frame, for a sole.
     normal
         (3,) unit normal out of the ground.
     mu
@@ -105,16 +111,36 @@ class Contact(ABC):
 
     @property
     @abstractmethod
-    def cone(self) -> Cone:
+    def cone(self) -> Cone | Sole:
         """The cone of the contact's force (3) or wrench (6), in the contact frame."""
 
     @abstractmethod
-    def sides(self, facets: int, fit: Fit) -> FloatArray:
-        """Return the rows C, (side_count, dim) [-, m], of C @ force <= 0: friction made of half-spaces."""
+    def unit_sides(self, facets: int, fit: Fit) -> tuple[FloatArray, BoolArray]:
+        """Return rows C (m, dim) [-, m] of C @ force <= 0 with friction one, and those that it scales: (m,).
 
-    @abstractmethod
-    def side_count(self, facets: int) -> int:
-        """Return how many rows `sides` has."""
+        Friction made of half-spaces: entries 2, 3, 4 of scaled rows are to be multiplied with mu.
+        """
+
+    def sides(self, facets: int, fit: Fit) -> FloatArray:
+        """Return the rows C, (m, dim) [-, m], of C @ force <= 0: friction made of half-spaces."""
+        rows, scaled = self.unit_sides(facets, fit)
+        out = rows.copy()
+        out[scaled, 2:5] *= self.mu
+        return out
+
+    def explains(self, force: FloatArray, deviation: FloatArray) -> bool:
+        """Return whether an estimated force (dim,) in the contact frame pushes within its friction [N, N m].
+
+        It may be beyond a limit by what its deviation (dim,) [N, N m] explains.
+        """
+        side = math.hypot(force[0], force[1]) - math.hypot(deviation[0], deviation[1])
+        return bool(force[2] >= -deviation[2] and side <= self.mu * (force[2] + deviation[2]))
+
+    def with_friction(self, mu: float) -> Self:
+        """Return the same contact with another friction coefficient [-]."""
+        twin = copy(self)
+        twin.mu = mu
+        return twin
 
     @property
     def normal(self) -> FloatArray:
@@ -144,24 +170,39 @@ class PointContact(Contact):
         """The friction cone of the contact force, in the contact frame."""
         return FrictionCone(self.mu)
 
-    def sides(self, facets: int, fit: Fit) -> FloatArray:
+    def unit_sides(self, facets: int, fit: Fit) -> tuple[FloatArray, BoolArray]:
         """(facets, 3) sides [-] of the friction pyramid, whose slack is in newtons of tangential force."""
-        return self.cone.polyhedral(facets, fit).halfspaces[: int(facets)]
-
-    def side_count(self, facets: int) -> int:
-        """Return `facets`."""
-        return facets
+        return _pyramid_sides(facets, fit)
 
 
-class PatchContact(Contact):
-    """A flat rectangular foot: a wrench of six components about the patch's centre.
+@lru_cache(maxsize=16)
+def _pyramid_sides(facets: int, fit: Fit) -> tuple[FloatArray, BoolArray]:
+    """Return the sides of a friction pyramid with friction one, all of them scaled; not to be written to."""
+    sides = FrictionPyramid(1.0, facets, fit).halfspaces
+    sides.setflags(write=False)
+    return sides, np.ones(len(sides), dtype=np.bool_)
+
+
+class SoleContact(Contact):
+    """A foot that touches with a flat sole: a wrench of six components in the contact frame.
 
     Parameters
     ----------
-    length, width
-        Full size along the contact frame's x and y axes [m], > 0.
-    position, normal, mu, name, normal_min, normal_max, heading
-        As for `Contact`.
+    sole
+        Shape and friction, `sf.Sole`, in the contact frame; its pads are points (no torsional radius).
+    position, normal, name, normal_min, normal_max, heading
+        As for `Contact`; the position is that of the frame, a rectangle's centre.
+
+    Raises
+    ------
+    ProblemError
+        As for `Contact`, and for a sole with a torsional radius.
+
+    Examples
+    --------
+    >>> foot = SoleContact([0.0, 0.1, 0.0], Sole(length=0.22, width=0.09, mu=0.6), name="left")
+    >>> foot.cone, foot.mu
+    (Sole(length=0.22, width=0.09, mu=0.6), 0.6)
     """
 
     dim = 6
@@ -169,49 +210,60 @@ class PatchContact(Contact):
     def __init__(
         self,
         position: ArrayLike,
-        length: float,
-        width: float,
+        sole: Sole,
         normal: ArrayLike = (0.0, 0.0, 1.0),
-        mu: float = 0.6,
         name: str = "",
         normal_min: float = 0.0,
         normal_max: float = math.inf,
         heading: ArrayLike = (1.0, 0.0, 0.0),
     ) -> None:
-        super().__init__(position, normal, mu, name, normal_min, normal_max, heading)
-        self.length = real_number("length", length, low=0.0)
-        self.width = real_number("width", width, low=0.0)
-        if not (0.0 < self.length < math.inf and 0.0 < self.width < math.inf):
+        of_kind("sole", sole, Sole)
+        if sole.torsional_radius > 0.0:
             raise ProblemError(
-                f"length and width must be positive and finite, got {self.length:g} and {self.width:g}"
+                "a stance's soles press at their corners, points without a torsional radius; got "
+                f"{sole.torsional_radius:g} m"
             )
+        super().__init__(position, normal, sole.mu, name, normal_min, normal_max, heading)
+        self.sole = sole
 
     @property
-    def cone(self) -> Cone:
-        """The contact wrench cone of the patch: the sum of its corners' cones."""
-        return WrenchCone(self.length, self.width, self.mu)
+    def cone(self) -> Sole:
+        """The sole: the sum of its corners' friction cones."""
+        return self.sole
 
-    def sides(self, facets: int, fit: Fit) -> FloatArray:
-        """(16, 6) rows of the `WrenchCone` [-, m]; its friction pyramid has four sides whatever `facets`."""
-        return WrenchCone(self.length, self.width, self.mu, fit).halfspaces
+    def explains(self, force: FloatArray, deviation: FloatArray) -> bool:
+        """Return whether an estimated wrench (6,) is in the sole's cone, up to its deviation [N, N m]."""
+        if not super().explains(force, deviation):
+            return False
+        verdict = self.sole.verdict(force)
+        if verdict.holds:
+            return True
+        # no row of a cone around it, and not the twist that proves the wrench outside, by more than explained
+        rows = self.sides(AROUND, "outer")
+        if verdict.twist is not None:
+            rows = np.vstack([rows, verdict.twist])
+        return not (rows @ force > np.abs(rows) @ deviation).any()
 
-    def side_count(self, facets: int) -> int:
-        """Return 16."""
-        return 16
+    def with_friction(self, mu: float) -> SoleContact:
+        """Return the same contact with another friction coefficient [-]."""
+        twin = super().with_friction(mu)
+        twin.sole = self.sole.with_friction(mu)
+        return twin
 
-    def corner_offsets(self) -> FloatArray:
-        """(4, 2) places of the corners in the contact frame [m], clockwise from front left."""
-        half = np.array([0.5 * self.length, 0.5 * self.width])
-        return np.asarray(half * np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]]))
+    def unit_sides(self, facets: int, fit: Fit) -> tuple[FloatArray, BoolArray]:
+        """(m, 6) rows [-, m] of the sum of its corners' pyramids, see `Sole.polyhedral`."""
+        from surefoot.contact import unit_rows
+
+        return unit_rows(self.sole.corners, whole_number("facets", facets, low=3), fit)
 
     def corners(self) -> list[PointContact]:
-        """Return the four corners as point contacts with the same frame and friction.
+        """Return the sole's corners as point contacts with the same frame and friction.
 
-        Their forces generate the same set of wrenches as the patch. The normal bounds belong to the
+        Their forces generate the same set of wrenches as the sole. The normal bounds belong to the
         sum, so corners carry only the upper one.
         """
         out = []
-        for k, (x, y) in enumerate(self.corner_offsets()):
+        for k, (x, y) in enumerate(self.sole.corners):
             place = self.position + self.rotation_world_contact @ np.array([x, y, 0.0])
             out.append(
                 PointContact(

@@ -15,7 +15,7 @@ Direction = list[Annotated[float, Field(ge=-LARGEST, le=LARGEST), YAML]]
 
 @with_config(FILE)
 class ContactKeys(TypedDict, total=False):
-    """A point, or a patch if it has a length and a width."""
+    """A point, or a sole if it has a length and a width."""
 
     name: Name
     position: Required[list[Number]]

@@ -11,7 +11,8 @@ import numpy as np
 from surefoot.base.arrays import FloatArray, finite_array, real_number
 from surefoot.base.errors import ProblemError, located
 from surefoot.base.text_files import path_of, read_yaml
-from surefoot.mechanics.stance.contact import Contact, PatchContact, PointContact
+from surefoot.contact import Sole
+from surefoot.mechanics.stance.contact import Contact, PointContact, SoleContact
 from surefoot.mechanics.stance.stance import Stance
 
 if TYPE_CHECKING:
@@ -81,5 +82,6 @@ def _contact(number: int, given: ContactKeys, mu: float) -> Contact:
         if not sizes:
             return PointContact(**options)
         if len(sizes) == 1:
-            raise ProblemError(f"a patch needs length and width, got only {sizes[0]}")
-        return PatchContact(**options)
+            raise ProblemError(f"a sole needs length and width, got only {sizes[0]}")
+        length, width, friction = options.pop("length"), options.pop("width"), options.pop("mu")
+        return SoleContact(sole=Sole(length, width, friction), **options)

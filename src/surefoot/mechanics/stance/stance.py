@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from copy import copy
 from functools import cached_property
 from itertools import accumulate, pairwise
 
@@ -15,8 +14,8 @@ from surefoot.base.arrays import FloatArray, finite_array, per_contact
 from surefoot.base.errors import ProblemError, check_name
 from surefoot.base.spatial import skew
 from surefoot.contact import Fit, ProductCone
-from surefoot.mechanics.stance.contact import Contact, PatchContact, PointContact
-from surefoot.mechanics.stance.halfspaces import Axes, HalfSpaces, halfspaces
+from surefoot.mechanics.stance.contact import Contact, PointContact, SoleContact
+from surefoot.mechanics.stance.halfspaces import Axes, HalfSpaces, TwoSidedRows, halfspaces, two_sided
 
 
 class Stance:
@@ -25,7 +24,7 @@ class Stance:
     Parameters
     ----------
     contacts
-        Point and patch contacts; none at all is allowed (a robot in the air).
+        Points and soles; none at all is allowed (a robot in the air).
 
     Examples
     --------
@@ -42,9 +41,9 @@ class Stance:
             )
         self.contacts = tuple(contacts)
         for k, contact in enumerate(self.contacts):
-            if not isinstance(contact, (PointContact, PatchContact)):
+            if not isinstance(contact, (PointContact, SoleContact)):
                 raise ProblemError(
-                    f"contacts[{k}] must be a PointContact or a PatchContact, got {type(contact).__name__}"
+                    f"contacts[{k}] must be a PointContact or a SoleContact, got {type(contact).__name__}"
                 )
         ends = list(accumulate((c.dim for c in self.contacts), initial=0))
         self.slices = tuple(slice(a, b) for a, b in pairwise(ends))
@@ -104,7 +103,7 @@ class Stance:
         -------
         FloatArray
             (6, dim) [-, m]: [force; moment about the point] in world axes = map @ forces in contact frames
-            (three columns for a point, six for a patch).
+            (three columns for a point, six for a sole).
         """
         point = finite_array("about", about, (3,))
         out = np.zeros((6, self.dim))
@@ -129,7 +128,7 @@ class Stance:
         Parameters
         ----------
         facets
-            Sides of each point's friction pyramid, >= 3.
+            Sides of the friction pyramid of each point and of each corner of a sole, >= 3.
         fit
             "inner" never promises force that the ground cannot give, "outer" never forbids any.
         axes
@@ -140,8 +139,9 @@ class Stance:
         Returns
         -------
         HalfSpaces
-            A @ forces <= b with facets + 2 rows per stance foot (18 for a patch), E @ forces = e with
-            three rows per swing foot (six for a patch).
+            A @ forces <= b with facets + 1 rows per point on the ground, those of `Sole.polyhedral` + 1 per
+            sole, and one more for each upper bound; E @ forces = e with three rows per point in swing and six
+            per sole.
 
         Raises
         ------
@@ -158,6 +158,31 @@ class Stance:
         """
         return halfspaces(self.contacts, facets, fit, axes, swing)
 
+    def two_sided(
+        self,
+        facets: int = 8,
+        fit: Fit = "inner",
+        axes: Axes = "contact",
+        swing: Sequence[bool] | Sequence[str] = (),
+    ) -> TwoSidedRows:
+        """Return the rows of `halfspaces` as lower <= A @ forces <= upper, swing feet among them.
+
+        One row for each side and one for each normal force, whether it is bounded above or not: their number
+        does not follow from the bounds at all.
+
+        Parameters
+        ----------
+        facets, fit, axes, swing
+            As for `halfspaces`.
+
+        Examples
+        --------
+        >>> rows = Stance([PointContact([0, 0, 0], mu=0.6, normal_min=10.0)]).two_sided(facets=4)
+        >>> rows.A.shape, rows.lower.tolist(), rows.upper.tolist()
+        ((5, 3), [-inf, -inf, -inf, -inf, 10.0], [0.0, 0.0, 0.0, 0.0, inf])
+        """
+        return two_sided(self.contacts, facets, fit, axes, swing)
+
     def cone(self) -> ProductCone:
         """Return the product of the contacts' cones, for the stacked forces."""
         return ProductCone([c.cone for c in self.contacts])
@@ -168,33 +193,33 @@ class Stance:
         return any(c.normal_min > 0.0 or c.normal_max < math.inf for c in self.contacts)
 
     def points(self) -> Stance:
-        """Return the same stance with every patch replaced by its four corner points.
+        """Return the same stance with every sole replaced by its corner points.
 
-        Worked out once; a stance without patches is returned as it is.
+        Worked out once; a stance without soles is returned as it is.
         """
         return self._points
 
     @cached_property
     def _points(self) -> Stance:
-        if not any(isinstance(c, PatchContact) for c in self.contacts):
+        if not any(isinstance(c, SoleContact) for c in self.contacts):
             return self
         out: list[Contact] = []
         for contact in self.contacts:
-            out.extend(contact.corners() if isinstance(contact, PatchContact) else [contact])
+            out.extend(contact.corners() if isinstance(contact, SoleContact) else [contact])
         return Stance(out)
 
     @cached_property
     def corner_map(self) -> FloatArray:
-        """(dim, 3 k) map [-, m] from the forces of `points()` to the stacked forces and patch wrenches."""
+        """(dim, 3 k) map [-, m] from the forces of `points()` to the stacked forces and soles' wrenches."""
         corners = self.points()
         out = np.zeros((self.dim, corners.dim))
         at = 0
         for contact, part in zip(self.contacts, self.slices, strict=True):
-            if not isinstance(contact, PatchContact):
+            if not isinstance(contact, SoleContact):
                 out[part, at : at + 3] = np.eye(3)
                 at += 3
                 continue
-            for x, y in contact.corner_offsets():
+            for x, y in contact.sole.corners:
                 out[part.start : part.start + 3, at : at + 3] = np.eye(3)
                 out[part.start + 3 : part.stop, at : at + 3] = skew([x, y, 0.0])
                 at += 3
@@ -202,10 +227,8 @@ class Stance:
 
     def with_friction(self, mu: ArrayLike) -> Stance:
         """Return the same stance with other friction [-], a number for all contacts or (n,) for each."""
-        twins = [copy(contact) for contact in self.contacts]
-        for twin, friction in zip(twins, per_contact("mu", mu, len(twins)).tolist(), strict=True):
-            twin.mu = friction
-        return Stance(twins)
+        frictions = per_contact("mu", mu, len(self)).tolist()
+        return Stance([c.with_friction(m) for c, m in zip(self.contacts, frictions, strict=True)])
 
     def without(self, *names: str) -> Stance:
         """Return the stance less the named contacts (feet in swing).

@@ -78,7 +78,7 @@ class StanceBatch:
 
     @classmethod
     def of(cls, stances: Sequence[Stance]) -> StanceBatch:
-        """Return the points of stances (corners for patches) as arrays; bounds are left out."""
+        """Return the points of stances (corners for soles) as arrays; bounds are left out."""
         points = [s.points() for s in stances]
         most = max((len(p) for p in points), default=0)
         batch = cls(np.zeros((len(points), most, 3)), mu=0.0, counts=[len(p) for p in points])

@@ -220,7 +220,7 @@ def _within_reason(question: Question, rows: Rows, tol: float) -> RegionOutline:
 
 
 def support_polygon(stance: Stance) -> FloatArray:
-    """Return the convex hull of the contacts, corners of patches included, seen from above.
+    """Return the convex hull of the contacts, corners of soles included, seen from above.
 
     The classical rule for standing still on flat ground with enough friction, and for nothing else:
     see `com_region` for slopes, walls and scarce friction.

@@ -229,7 +229,7 @@ class ForceDistributor(Remembering):
     ) -> FloatArray:
         """Return the optimal forces that also keep ``low <= rows @ f <= high``.
 
-        For linear limits of any kind, as the bounds on the sum of a patch's corner forces; `status` and
+        For linear limits of any kind, as the bounds on the sum of a sole's corner forces; `status` and
         `torque_excess` speak of these rows as they do of joint torques.
 
         Parameters

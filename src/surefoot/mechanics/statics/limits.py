@@ -27,7 +27,7 @@ class ForceLimits:
     Attributes
     ----------
     rows
-        (l, stance.dim), over forces and patch wrenches in contact frames [unit of bound per N, N m].
+        (l, stance.dim), over forces and soles' wrenches in contact frames [unit of bound per N, N m].
     bound
         (l,), finite [N, N m, or what the rows make of forces].
     names

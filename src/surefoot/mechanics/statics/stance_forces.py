@@ -22,7 +22,7 @@ def distribute(
     Parameters
     ----------
     stance
-        Point and patch contacts; a patch is allocated through its four corners.
+        Points and soles; a sole is allocated through its corners.
     wrench
         (6,) wanted [force; moment about the point], world axes [N, N·m].
     about
@@ -33,9 +33,9 @@ def distribute(
     Returns
     -------
     FloatArray
-        (n, 3) forces in contact frames [N]. If the stance has patches, the stacked (dim,) vector of
-        `Stance.slices` instead: three components for a point, a wrench of six about the patch's
-        centre for a patch.
+        (n, 3) forces in contact frames [N]. If the stance has soles, the stacked (dim,) vector of
+        `Stance.slices` instead: three components for a point, a wrench of six in the contact
+        frame for a sole.
 
     Raises
     ------
@@ -50,12 +50,12 @@ def distribute(
     )
     if len(points) == len(stance):
         return distributor.solve(points.grasp_map(about), w)
-    forces = distributor.solve_with_rows(points.grasp_map(about), w, *_patch_sums(stance))
+    forces = distributor.solve_with_rows(points.grasp_map(about), w, *_sole_sums(stance))
     return np.asarray(stance.corner_map @ forces.ravel())
 
 
-def _patch_sums(stance: Stance) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the (patches, 3n) map from corner forces to the patches' normal forces, and its bounds."""
-    patches = [k for k, contact in enumerate(stance.contacts) if contact.dim == 6]
-    normals = [stance.slices[k].start + 2 for k in patches]
-    return stance.corner_map[normals], stance.normal_min[patches], stance.normal_max[patches]
+def _sole_sums(stance: Stance) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the (soles, 3n) map from corner forces to the soles' normal forces, and its bounds."""
+    soles = [k for k, contact in enumerate(stance.contacts) if contact.dim == 6]
+    normals = [stance.slices[k].start + 2 for k in soles]
+    return stance.corner_map[normals], stance.normal_min[soles], stance.normal_max[soles]

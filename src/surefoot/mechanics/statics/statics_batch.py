@@ -45,7 +45,7 @@ class Verdicts:
     margin
         (B,) as `Verdict.margin` [N].
     forces
-        (B, n, 3) forces of the points (corners of patches) in contact frames [N]; NaN where there are none,
+        (B, n, 3) forces of the points (corners of soles) in contact frames [N]; NaN where there are none,
         zero beyond a stance's number of points.
     certificate
         (B, 6) separating wrenches; NaN where there is none.

@@ -35,10 +35,10 @@ class Verdict:
     feasible
         Whether forces within every contact's friction cone and bounds were found that give the load.
     forces
-        (stance.dim,) contact forces (wrenches of patches) in contact frames [N, N m] with the most
+        (stance.dim,) contact forces (wrenches of soles) in contact frames [N, N m] with the most
         margin, stacked in the order of the stance; None when impossible.
     margin
-        Least distance of a contact's force (of a patch corner's) to the boundary of its cone or to a
+        Least distance of a contact's force (of a sole corner's) to the boundary of its cone or to a
         bound [N], the largest that any forces can keep. Negative when impossible; infinite where contacts
         can squeeze each other without limit, or beyond a million loads (the forces then keep a tenth of the
         load, mu times the load where friction is below a tenth; where others of the contacts are bounded it

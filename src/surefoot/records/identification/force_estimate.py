@@ -194,11 +194,7 @@ def _least_squares(A: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray
 
 def _lawful(stance: Stance, forces: FloatArray, std: FloatArray) -> bool:
     """Return whether forces push and stay in their cones, soles' wrenches too, up to two deviations."""
-    for contact, part in zip(stance, stance.slices, strict=True):
-        f, s = forces[part], 2.0 * np.nan_to_num(std[part], posinf=0.0)
-        side = float(np.hypot(f[0], f[1])) - float(np.hypot(s[0], s[1]))
-        # A sole's moments are those of pressure inside its edge, and of friction there: the wrench cone's.
-        sole = contact.sides(4, "outer") if contact.dim == 6 else np.zeros((0, 3))
-        if f[2] < -s[2] or side > contact.mu * (f[2] + s[2]) or (sole @ f > np.abs(sole) @ s).any():
-            return False
-    return True
+    return all(
+        contact.explains(forces[part], 2.0 * np.nan_to_num(std[part], posinf=0.0))
+        for contact, part in zip(stance, stance.slices, strict=True)
+    )

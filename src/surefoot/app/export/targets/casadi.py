@@ -27,7 +27,7 @@ def exact(phase, forces):
     rows, at = [], 0
     for contact in PHASES[phase]["contacts"]:
         if contact["patch"] is not None:
-            raise ValueError(contact["frame"] + " is a patch: its wrench cone has half-spaces only")
+            raise ValueError(contact["frame"] + " is a sole: its wrench cone has half-spaces only")
         x, y, z = forces[at], forces[at + 1], forces[at + 2]
         rows += [x * x + y * y - contact["mu"] ** 2 * z * z, contact["normal_min"] - z]
         if contact["normal_max"] < float("inf"):

@@ -17,7 +17,7 @@ TURN = np.array([[COS, -SIN, 0.0], [SIN, COS, 0.0], [0.0, 0.0, 1.0]])
 
 
 def cone(contact, axes=np.eye(3)):
-    """Return the FrictionCone of a point or the WrenchCone of a patch; `axes` turns it from contact axes."""
+    """Return the FrictionCone of a point or WrenchCone of a sole; `axes` turns it from contact axes."""
     low, high = contact["normal_min"], min(contact["normal_max"], HUGE)
     if contact["patch"] is None:
         return crocoddyl.FrictionCone(axes @ TURN, contact["mu"], FACETS, INNER, low, high)
@@ -30,7 +30,7 @@ def cones(phase):
 
 
 def contact_model(state, actuation, phase, gains=(0.0, 50.0)):
-    """Return the ContactModelMultiple of a phase: points by 3-D, patches by 6-D contacts."""
+    """Return the ContactModelMultiple of a phase: points by 3-D, soles by 6-D contacts."""
     import pinocchio
 
     models = crocoddyl.ContactModelMultiple(state, actuation.nu)

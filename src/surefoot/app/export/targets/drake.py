@@ -27,7 +27,7 @@ def add_exact(prog, forces, phase):
     out, at = [], 0
     for contact in PHASES[phase]["contacts"]:
         if contact["patch"] is not None:
-            raise ValueError(contact["frame"] + " is a patch: its wrench cone has half-spaces only")
+            raise ValueError(contact["frame"] + " is a sole: its wrench cone has half-spaces only")
         force = forces[at : at + 3]
         rows = np.array([[0.0, 0.0, contact["mu"]], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
         out.append(prog.AddLorentzConeConstraint(rows, np.zeros(3), force))

@@ -43,7 +43,7 @@ def files(sequence: ContactSequence) -> dict[str, str]:
     contacts = [contact for phase in sequence.phases for contact in phase.stance]
     for contact in contacts:
         if not isinstance(contact, PointContact):
-            raise ProblemError(f"OCS2's legged robot has point feet, {contact.name} is a patch")
+            raise ProblemError(f"OCS2's legged robot has point feet, {contact.name} is a sole")
     modes = [_mode([name in p.names for name in sequence.frames]) for p in sequence.phases]
     times = [f"{time:.12g}" for time in sequence.switching]
     gait = [

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from surefoot.app.export.sequence import ContactSequence
-from surefoot.mechanics.stance import PatchContact
+from surefoot.app.export.sequence import ContactSequence, rectangle_of
+from surefoot.mechanics.stance import SoleContact
 
 
 def python_data(sequence: ContactSequence) -> str:
@@ -17,7 +17,7 @@ def python_data(sequence: ContactSequence) -> str:
     for k, phase in enumerate(sequence.phases):
         lines += ["    {", f'        "duration": {phase.duration!r},', '        "contacts": [']
         for contact in phase.stance:
-            size = (contact.length, contact.width) if isinstance(contact, PatchContact) else None
+            size = rectangle_of(contact) if isinstance(contact, SoleContact) else None
             entry = {
                 "frame": contact.name, "dim": contact.dim, "mu": contact.mu, "normal_min": contact.normal_min,
                 "normal_max": contact.normal_max, "patch": size, "position": contact.position.tolist(),
@@ -26,7 +26,8 @@ def python_data(sequence: ContactSequence) -> str:
             lines += ["            {"]
             lines += [f"                {key!r}: {_number(value)}," for key, value in entry.items()]
             lines += ["            },"]
-        A, b = sequence.bounded_rows(k)
+        rows = sequence.halfspaces(k)
+        A, b = rows.A, rows.b
         lines += ["        ],", '        "A": [']
         lines += [f"            {row!r}," for row in A.tolist()]
         lines += ["        ],", f'        "b": {b.tolist()!r},', "    },"]

@@ -25,7 +25,7 @@ def friction(contact):
 def contacts(robot, phase):
     """Return TSID's contacts of a phase, by frame; `robot` is a tsid.RobotWrapper.
 
-    The frame of a patch is taken to lie in its middle with z out of the ground.
+    The frame of a sole is taken to lie in its middle with z out of the ground.
     """
     out = {}
     for contact in PHASES[phase]["contacts"]:
