@@ -52,7 +52,10 @@ def test_mujocos_own_drops_are_lawful_at_five_milliseconds(geom: int) -> None:
         rng = np.random.default_rng([seed, geom])
         turn = " ".join(f"{x:.6f}" for x in rng.normal(size=4))
         text = TUMBLER.format(
-            cone=("pyramidal", "elliptic")[seed % 2], height=rng.uniform(0.2, 0.6), turn=turn, geom=GEOMS[geom]
+            cone=("pyramidal", "elliptic")[seed % 2],
+            height=rng.uniform(0.2, 0.6),
+            turn=turn,
+            geom=GEOMS[geom],
         )
         model = mujoco.MjModel.from_xml_string(text)
         data = mujoco.MjData(model)
@@ -72,7 +75,9 @@ def test_mujocos_own_drops_are_lawful_at_five_milliseconds(geom: int) -> None:
     ids=["nothing", "velocities", "damping", "softness"],
 )
 @pytest.mark.parametrize("dt", [2.5e-4, 1e-3, 5e-3, 1e-2])
-def test_a_ball_that_comes_back_higher_is_broken_whatever_is_declared(dt: float, facts: dict[str, Any]) -> None:
+def test_a_ball_that_comes_back_higher_is_broken_whatever_is_declared(
+    dt: float, facts: dict[str, Any]
+) -> None:
     for restitution, lawful in ((1.0, True), (1.63, False)):
         log = ball(restitution, dt, 0.053).log()
         report = sf.audit_log(Log(log.arrays, {**log.facts, **facts}, channels=log.channels))

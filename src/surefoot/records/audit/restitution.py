@@ -65,7 +65,9 @@ def _unloading(rows: Rows) -> FloatArray:
         return np.zeros(rows.normal.shape)
     margin = np.asarray(rows.log.facts.get("contact_margin", np.zeros(rows.points)))
     depth = np.maximum(margin - rows.gaps, 0.0)
-    size = _peak_since_touchdown(np.maximum(rows.normal, 0.0), rows.loaded) * _peak_since_touchdown(depth, rows.loaded)
+    size = _peak_since_touchdown(np.maximum(rows.normal, 0.0), rows.loaded) * _peak_since_touchdown(
+        depth, rows.loaded
+    )
     return np.broadcast_to((size * damped).sum(axis=1, keepdims=True), size.shape)
 
 
