@@ -22,7 +22,8 @@ mujoco = pytest.importorskip("mujoco")
 CRATE = """<mujoco><option timestep='.002'/><worldbody><geom name='floor' type='plane' size='9 9 1'/>
 <body pos='0 0 .1'><freejoint/><geom type='box' size='.2 .2 .1' mass='5'/></body></worldbody></mujoco>"""
 TUMBLER = """<mujoco><option timestep='.005' cone='{cone}'/><worldbody>
-<geom name='floor' type='plane' size='9 9 1' friction='.7'/><body pos='0 0 {height}' quat='{turn}'><freejoint/>
+<geom name='floor' type='plane' size='9 9 1' friction='.7'/>
+<body pos='0 0 {height}' quat='{turn}'><freejoint/>
 {geom}</body></worldbody></mujoco>"""
 GEOMS = (
     "<geom type='box' size='.1 .15 .08' mass='3' friction='.7'/>",
