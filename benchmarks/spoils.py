@@ -77,8 +77,8 @@ class Spoil:
     needs
         Channels that it changes.
     change
-        From a copy of the arrays, the lawful log and a generator; writes to the copy, and returns whether what
-        it did exceeds the stated tolerance. None for a kick, which the loop makes itself.
+        From a copy of the arrays, the lawful log and a generator; writes to the copy, and returns whether
+        what it did exceeds the stated tolerance. None for a kick, which the loop makes itself.
     """
 
     name: str
@@ -197,7 +197,7 @@ SPOILS = (
     Spoil("contact 5 cm", "a contact point jumps by 5 cm", ("contact_positions",), _contact_jumps(0.05)),
     Spoil("contact 1 cm", "a contact point jumps by 1 cm", ("contact_positions",), _contact_jumps(0.01)),
     Spoil("velocities x57.3", "contact velocities by degrees", ("contact_velocities",), _velocities(57.3)),
-    Spoil("velocities x0.5", "contact velocities of half the size", ("contact_velocities",), _velocities(0.5)),
+    Spoil("velocities x0.5", "contact velocities halved", ("contact_velocities",), _velocities(0.5)),
     Spoil("gap signs", "gaps of the other sign", ("gaps",), _gap_signs),
     Spoil("late rate", "the momentum's rate a row late", ("momentum_rate",), _late_rate),
     Spoil("frames", "forces with their tangents swapped", ("forces",), _swapped),

@@ -126,6 +126,22 @@ def _alarms(data: Any) -> Rows:
     return [[f"{found} of {trials}", f"{noticed} of {trials}", f"{len(data['alarms'])} of {data['clean']}"]]
 
 
+def _spoils(data: Any) -> Rows:
+    """Return what is done to lawful logs, and how many of those that it makes contradictory are found."""
+    rows = [
+        [
+            f"`{row['name']}`", row["title"], f"{row['logs']}", f"{row['found']} of {row['exceed']}",
+            f"{row['seen']} of {row['below']}",
+        ]
+        for row in data["spoils"]
+    ]  # fmt: skip
+    logs, found, exceed, seen, below = (
+        sum(row[key] for row in data["spoils"]) for key in ("logs", "found", "exceed", "seen", "below")
+    )
+    alarms = f"all; called broken without a spoil: {len(data['alarms'])} of 30"
+    return [*rows, ["", alarms, f"{logs}", f"{found} of {exceed}", f"{seen} of {below}"]]
+
+
 def _walks(data: Any) -> Rows:
     """Return a row per walk: what was wanted and came, in the largest component, slip and the laws."""
     rows = []
@@ -296,6 +312,11 @@ TABLES = {
     "seeded_faults": Table(
         AUDIT, "audit.md", ("fault", "what is done", "amplitude", "told as", "noticed", "all right"),
         _seeded_faults, long=True,
+    ),
+    "spoils": Table(
+        "python -m benchmarks.spoils", "audit.md",
+        ("spoil", "what is done", "logs", "beyond the tolerance, found", "below it, found all the same"),
+        _spoils, long=True,
     ),
     "alarms": Table(
         AUDIT, "audit.md", ("foot, time and cause right", "noticed", "false alarms on clean runs"), _alarms,

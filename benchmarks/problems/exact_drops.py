@@ -108,7 +108,11 @@ class Drop:
         force[:, 0], force[:, 2] = impulse.T / dt
         velocity[:, 0], velocity[:, 2] = u - self.radius * spin, w
         place[:, 0], place[:, 2] = x, z
-        momentum, rate, com = np.zeros((count, 6)), np.zeros((count, 6)), place + [0.0, 0.0, self.radius]
+        momentum, rate, com = (
+            np.zeros((count, 6)),
+            np.zeros((count, 6)),
+            place + np.array([0.0, 0.0, self.radius]),
+        )
         inertia = 0.4 * self.mass * self.radius**2
         momentum[:, 0], momentum[:, 2], momentum[:, 4] = self.mass * u, self.mass * w, inertia * spin
         rate[:, :3] = force - [0.0, 0.0, self.mass * GRAVITY]

@@ -239,13 +239,13 @@ class ReboundLimits(Settings):
         low=0.0,
         tuned=VARIED + "0.001667 to 15",
     )
-    flight_rows: int = setting(4, "-", "rows of free fall that are a flight", low=3, tuned=VARIED + "4 to 4")
+    flight_rows: int = setting(4, "-", "rows of free fall that are a flight", low=3, tuned=RIVALS + "3 to 8")
     free_fall: float = setting(
         0.05,
         "g",
         "acceleration beside g of a contact point that falls freely",
         low=0.0,
-        tuned=VARIED + "0.05 to 0.05",
+        tuned=RIVALS + "0.05 to 150",
     )
 
 

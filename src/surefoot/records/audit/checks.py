@@ -21,7 +21,7 @@ from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.places import gap_place, jump, no_feet, no_ground
 from surefoot.records.audit.restitution import rebound, sparse
 from surefoot.records.audit.rows import Measured, Rows, on_body, over, sliding_mean, sliding_sum
-from surefoot.records.audit.within_row import fall, way_to_touch
+from surefoot.records.audit.within_row import way_to_touch
 from surefoot.records.log import Log
 
 
@@ -59,8 +59,8 @@ def _penetration(rows: Rows) -> Measured:
     limits, sinking = rows.setting.limits.laws, rows.setting.sinking
     limit = max(limits.penetration, sinking)
     deep = np.where(rows.swinging, max(limit, limits.swing_depth * sinking), limit)
-    # in a soft world one corner lands within its row while another does in the next
-    late = 2.0 * fall(rows) * rows.dt[:, None] ** 2 if sinking > 0.0 else 0.0
+    # a soft corner goes on for a row while another one lands
+    late = way_to_touch(rows) if sinking > 0.0 else 0.0
     return over(-rows.gaps, deep + late)
 
 
@@ -84,7 +84,9 @@ def _distance(rows: Rows) -> Measured:
     pushed = np.maximum(np.abs(rows.normal), rows.tangential) > rows.setting.threshold
     value = np.where(pushed, rows.gaps, 0.0)
     limit = max(rows.setting.limits.laws.penetration, rows.setting.sinking)
-    return over(value, limit + way_to_touch(rows))
+    margin = np.asarray(rows.log.facts.get("contact_margin", np.zeros(rows.points)))
+    most = rows.setting.limits.softness.sinking
+    return over(value, limit + np.clip(margin, 0.0, most) + way_to_touch(rows))
 
 
 def _without_settling(rows: Rows, value: FloatArray) -> FloatArray:
@@ -132,9 +134,7 @@ def _sliding(rows: Rows) -> Measured:
 
 
 def longest_unsure_way(rows: Rows) -> float:
-    """Return the longest way of a window along the ground that means over rows leave open [m]."""
-    if rows.setting.after is not None:
-        return 0.0
+    """Return the longest way of a window along the ground that velocities of rows leave open [m]."""
     return float(sliding_sum(rows.unsure_way, rows.window(_slide_window(rows))).max(initial=0.0))
 
 

@@ -98,7 +98,7 @@ def net_force(rows: Rows) -> FloatArray | None:
     """Return what the log says to act on the whole robot: (T, 3) [N]; None where it does not say."""
     if not rows.has("forces", "normals"):
         return None
-    out = step_of(rows, rows.world_forces.sum(axis=1))
+    out = np.array(step_of(rows, rows.world_forces.sum(axis=1)))
     out += rows.setting.weight / GRAVITY * np.asarray(rows.log.facts.get("gravity", (0.0, 0.0, -GRAVITY)))
     if "wrench_applied" in rows.log:
         out += rows.numbers("wrench_applied")[:, :3]

@@ -1,9 +1,9 @@
 """Whole flights: what falls freely comes back no higher than it fell from, whatever happened in the touch.
 
 A body that nothing drives has as much energy in a flight as it left the ground with. So a touch that gave
-energy shows in the flight after it, at any rate and whatever the world declares of its contacts. A log with the
-channel `energy` has it; where all that touches is one point, its apex gap + v_n² / 2 g is as good if it flies
-as a thrown stone does: the same in every row of a flight to g h v_n / 2, by any scheme.
+energy shows in the flight after it, at any rate and whatever the world declares of its contacts. A log with
+the channel `energy` has it; where all that touches is one point, its apex gap + v_n² / 2 g is as good if it
+flies as a thrown stone does: the same in every row of a flight to g h v_n / 2, by any scheme.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def driven(log: Log, setting: Setting) -> str:
 
 
 def _flying(rows: Rows) -> tuple[int, FloatArray, FloatArray, FloatArray, BoolArray]:
-    """Return column, energy after and before a touch (T,) [J], half a squared speed (T,), and flying rows (T,).
+    """Return column, energy after and before a touch (T,) [J], half a squared speed (T,), flying rows (T,).
 
     The way of a single point across the ground counts before a touch, which may turn it upwards.
     """

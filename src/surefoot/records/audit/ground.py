@@ -18,8 +18,8 @@ MEASURED = 1.0 - 1e-9
 def ground_plane(log: Log, share: float, near: float, threshold: float) -> FloatArray | None:
     """Return the plane that contact points and gaps show: normal and height (4,), None for none.
 
-    Where the log does not say what its contacts touch, all that is loaded has to stand on it, and nothing may
-    fly over another level: a step is another plane.
+    Where the log does not say what its contacts touch, all that is loaded has to stand on it, and nothing
+    may fly over another level: a step is another plane.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def on_ground(log: Log, points: int) -> BoolArray:
 
 
 def _another_level(height: FloatArray, gaps: FloatArray, off: BoolArray) -> bool:
-    """Return whether most of what is (T, p) off a plane is above another one: its height stays, gaps change."""
+    """Return whether most of what is (T, p) off a plane is above another: its height stays, gaps change."""
     pairs = off[1:] & off[:-1] & np.isfinite(np.diff(height, axis=0))
     if not pairs.any():
         return bool(off.any())

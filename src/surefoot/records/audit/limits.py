@@ -205,7 +205,7 @@ class RecordLimits(Settings):
         "-",
         "ratio of two misfits from which the smaller one tells whose velocities a row has",
         low=1.0,
-        tuned=VARIED + "3 to 3",
+        tuned=RIVALS + "3 to 90",
     )
     join: float = setting(
         0.02, "s", "time between two violations that are one", low=0.0, tuned=VARIED + "0.0006667 to 0.06"

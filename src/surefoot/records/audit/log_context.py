@@ -159,6 +159,11 @@ def setting_of(log: Log, robot: Robot | None, limits: AuditLimits = LIMITS) -> S
             )
     if log.facts.get("velocities") == "mean":
         notes.append(MEANS)
+    if (margin := float(np.max(log.facts.get("contact_margin", 0.0)))) > limits.laws.penetration:
+        notes.append(
+            f"the world's contacts push from a margin of up to {1e3 * margin:.3g} mm: forces across such a "
+            f"gap count as lawful, up to {1e3 * limits.softness.sinking:g} mm; a margin of zero tells more"
+        )
     if any(soft):
         deep = "; that is soft: a stiffer contact would show more" if sinking > limits.records.deep else ""
         held = f"and {1e3 * stopping:.2g} mm until a sliding foot is held"

@@ -44,7 +44,8 @@ def jump(rows: Rows) -> Measured:
     bend = np.zeros(rows.normal.shape)
     bend[1:-1] = np.linalg.norm(place[2:] - 2.0 * place[1:-1] + place[:-2], axis=2)
     normals = rows.numbers("normals")
-    turned = (np.abs(np.diff(normals, axis=0)) > LEVEL).any(axis=2)  # it touches another face
+    # where a normal turns it touches another face
+    turned = np.asarray((np.abs(np.diff(normals, axis=0)) > LEVEL).any(axis=2))
     bend[1:-1] = np.where(turned[1:] | turned[:-1], 0.0, bend[1:-1])
     change = np.linalg.norm(np.diff(rows.velocities, axis=0, append=rows.velocities[-1:]), axis=2)
     allowed = ROLLS * maximum_filter1d(change, 5, axis=0) * dt + fall(rows) * dt**2

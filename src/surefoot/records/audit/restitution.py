@@ -87,8 +87,12 @@ def _work(rows: Rows) -> FloatArray:
 
 def sparse(log: Log, setting: Setting) -> str:
     """Return why touches cannot be judged; empty where rows are close enough."""
-    far = f"rows are {1e3 * setting.dt:.3g} ms apart: a touch is over between two"
-    return far if setting.dt > setting.limits.rebound.longest_row else ""
+    most = setting.limits.rebound.longest_row
+    far = (
+        f"cannot tell at this rate: rows are {1e3 * setting.dt:.3g} ms apart, a touch is over between two; "
+        f"{1e3 * most:.3g} ms could"
+    )
+    return far if setting.dt > most else ""
 
 
 def returned_work(

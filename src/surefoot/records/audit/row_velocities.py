@@ -12,8 +12,8 @@ from surefoot.records.log import Log
 ROWS = 1 << 16
 """Rows of a log that are looked at."""
 MEANS = (
-    "contact velocities are declared to be means while a row's force acts: what a touch gives back is known to "
-    "half of a row's change of velocity, and judged by whole flights, too"
+    "contact velocities are declared to be means while a row's force acts: what a touch gives back is known "
+    "to half of a row's change of velocity, and judged by whole flights, too"
 )
 
 
@@ -22,8 +22,8 @@ def velocities_after(log: Log, dt: float, clear: float) -> bool | None:
 
     MuJoCo reports the velocities before the forces act, a time-stepping scheme those after. A gap that jumps
     where a foot passes an edge moves all sums alike: each of its terms is the jump, give or take one step.
-    Where the mean of both carries gaps as well, as in an exact motion, the rows in which loads begin tell: the
-    force of a touch is in the row over which the velocity changes. None for what is declared to be means.
+    Where the mean of both carries gaps as well, as in an exact motion, the rows in which loads begin tell:
+    the force of a touch is in the row over which the velocity changes. None for what is declared to be means.
 
     `clear` is how many times another misfit tells which is right [-].
     """

@@ -154,16 +154,14 @@ class Rows:
 
     @cached_property
     def unsure_way(self) -> FloatArray:
-        """(T, p) way along the ground that velocities leave open which are means over their rows [m].
+        """(T, p) way along the ground that velocities of the ends of loaded rows leave open [m].
 
-        Friction changes with the slip within such a row: of both only the means are known.
+        Half of their change; all of it where they are means, since friction changes with the slip meanwhile.
         """
-        if self.setting.after is not None:
-            return np.zeros(self.normal.shape)
         change = np.diff(self.velocities[..., :2], axis=0, append=self.velocities[-1:, :, :2])
-        return np.asarray(
-            np.where(self.loaded, np.hypot(*np.moveaxis(change, -1, 0)), 0.0) * self.dt[:, None]
-        )
+        share = 1.0 if self.setting.after is None else 0.5
+        size = share * self.dt[:, None] * np.hypot(*np.moveaxis(change, -1, 0))
+        return np.asarray(np.where(self.loaded, size, 0.0))
 
     @cached_property
     def frames(self) -> FloatArray:

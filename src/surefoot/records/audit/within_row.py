@@ -45,11 +45,11 @@ def edges(rows: Rows) -> BoolArray:
     inside = loaded.copy()
     inside[1:] &= loaded[:-1]
     inside[:-1] &= loaded[1:]
-    return step_of(rows, loaded & ~inside)
+    return np.asarray(step_of(rows, loaded & ~inside))
 
 
 def step_of(rows: Rows, values: Any) -> Any:
-    """Return (T, ...) values of forces at the rows whose steps they act in: a row earlier where they are late."""
+    """Return (T, ...) values of forces at the rows of their steps: a row earlier where they are late."""
     return np.concatenate([values[1:], values[-1:]]) if rows.setting.late else values
 
 
