@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.motion.drive.getting_up import FALLEN
+from surefoot.motion.drive.getting_up import FALLEN, RollOver
 from surefoot.motion.drive.modes import LoopMode
+from surefoot.motion.drive.postures import BodyPostures
 from surefoot.motion.drive.robot_loop import RobotLoop
 from surefoot.worlds.running.motor_robot import MotorRobot
 from tests.motion.drive.loop_faults import DT, GO2
@@ -88,6 +89,15 @@ def test_a_body_that_sinks_upright_has_fallen() -> None:
         robot.take(None)
         robot.step()
     assert loop.fault == FALLEN
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_rolling_over_keeps_clear_of_the_joints_stops(number: int) -> None:
+    """By five degrees at least, although both ways use the whole range of a joint."""
+    roll = RollOver(GO2, BodyPostures(GO2))
+    passed = np.vstack([one.points[1:] for one in roll.motions(GO2.nominal[7:], number)[:-1]])
+    clear = np.minimum(passed - LOW, HIGH - passed)
+    assert np.radians(5.0) < clear.min() < np.radians(10.0)
 
 
 def test_who_does_not_know_how() -> None:

@@ -9,8 +9,10 @@ from surefoot import audit_log
 from surefoot.base.errors import NoSolution, ProblemError
 from surefoot.contact.solution import Status
 from surefoot.mechanics.robot import place
+from surefoot.mechanics.terrain import FlatTerrain
 from surefoot.motion.planning import Plan, PlanSearch, plan_from, rollout
 from surefoot.motion.planning import planner as planners
+from surefoot.motion.planning.plan import plan_channels
 from surefoot.motion.planning.tasks import task_names
 from surefoot.records.log import Log
 
@@ -132,3 +134,11 @@ def test_a_task_from_outside_is_planned(go2):
     plan = planners.plan(go2, "wait")
     assert (len(plan), plan.method) == (20, "pd")
     assert len(planners.plan(go2, "wait", 0.02, dt=0.004, payload=1.0)) == 5
+
+
+def test_a_row_is_saturated_where_a_torque_meets_its_limit_either_way() -> None:
+    torques = np.array([[0.0, 0.0], [9.9, -4.9], [10.0, 0.0], [0.0, -5.0]])
+    at_rest = np.zeros((4, 1, 3))
+    motion = {"torques": torques, "forces": at_rest, "contact_positions": at_rest}
+    found = plan_channels(motion, (0.01, 0.6), FlatTerrain(), np.array([10.0, 5.0]))
+    assert found["saturated"].tolist() == [False, False, True, True]

@@ -90,7 +90,12 @@ def audit(
         folder = new_run_folder(out, f"audit-{log.stem}")
         (folder / "audit.json").write_text(to_json(facts) + "\n", encoding="utf-8")
         why = "Why", paragraph(str(report.story))
-        sections = [why, _story(report, folder), _picture(read, report, folder), *report_sections(tables, lines)]
+        sections = [
+            why,
+            _story(report, folder),
+            _picture(read, report, folder),
+            *report_sections(tables, lines),
+        ]
         page = write_page(folder / "report.html", f"Audit of {log.name}", verdicts, sections)
         say(console, f"report: {page}")
     return report.exit_code or (0 if again is None or again.survives else 1)
