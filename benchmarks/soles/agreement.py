@@ -133,7 +133,7 @@ def agreement(soles: int, count: int, seed: int) -> dict[str, Any]:
             answer = np.array([ask(w) for w in case.wrenches[some]])
             tallies.setdefault(name, Agreement(name)).add(answer, case.true[some], case.distance[some])
         for fit in ("inner", "outer"):
-            cone = case.sole.polyhedral(8, fit)  # type: ignore[arg-type]
+            cone = case.sole.polyhedral(8, fit)
             holds, true = cone.contains(case.wrenches, 0.0), case.true
             pyramids[fit]["promised"] += int(holds.sum())
             pyramids[fit]["held"] += int(true.sum())

@@ -14,7 +14,7 @@ from surefoot.records import Log
 CRATE = """<mujoco><option timestep='0.002'/><worldbody>
 <geom name='floor' type='plane' size='9 9 1' friction='{mu} .005 0' euler='{tilt} 0 0'/>
 <body name='crate' pos='0 0 {height}'><freejoint/>
-<geom name='skin' type='box' size='.1 .1 .1' mass='5' friction='.05 .005 .0001'/></body></worldbody></mujoco>"""
+<geom name='skin' type='box' size='.1 .1 .1' mass='5' friction='.05 .005 0'/></body></worldbody></mujoco>"""
 LEG = """<body name='{n}_thigh' pos='{x} {y} 0' euler='0 4 {turn}'>
 <joint name='{n}_roll' axis='1 0 0' pos='0 0 .01' damping='.1'/>
 <joint name='{n}_hip' axis='0 1 0' damping='.1' armature='.01'/>
@@ -25,7 +25,8 @@ LEG = """<body name='{n}_thigh' pos='{x} {y} 0' euler='0 4 {turn}'>
 LEGS = (("fl", 0.18, 0.12), ("fr", 0.18, -0.12), ("rl", -0.18, 0.12), ("rr", -0.18, -0.12))
 QUADRUPED = (
     "<mujoco model='stray'><option timestep='0.002'/><worldbody>"
-    "<geom name='floor' type='plane' size='9 9 .1' friction='.8'/><body name='torso' pos='0 0 .36'><freejoint/>"
+    "<geom name='floor' type='plane' size='9 9 .1' friction='.8'/>"
+    "<body name='torso' pos='0 0 .36'><freejoint/>"
     "<geom name='trunk' type='box' size='.2 .1 .05' mass='8'/>"
     + "".join(LEG.format(n=n, x=x, y=y, turn=90.0 * y) for n, x, y in LEGS)
     + "</body></worldbody><actuator>"

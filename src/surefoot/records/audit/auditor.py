@@ -22,7 +22,7 @@ from surefoot.records.audit.log_context import Setting, setting_of
 from surefoot.records.audit.report import AuditReport, FrictionInterval, Judgement, LawBroken, Violation
 from surefoot.records.audit.rows import Rows, lacking, pieces
 from surefoot.records.audit.slides import WORST, slide_on, slide_rules, start_slides
-from surefoot.records.audit.story.story import tell_story
+from surefoot.records.audit.story.story import story_of
 from surefoot.records.log import Log
 from surefoot.records.log.reading import read_log
 
@@ -208,7 +208,7 @@ def _report(
         verdict, violations, more, symptoms, coverage, intervals,
         (*setting.doubts, *setting.notes, *_changes(intervals)), len(log), float(time[0]), float(time[-1]),
         setting.names, setting.weight, reason, task, task_reason, tuple(judge_command(log, setting)),
-        setting.limits, tell_story(log, setting, symptoms, task_reason), log,
+        setting.limits, story_of(log, setting, symptoms, task_reason), log,
     )  # fmt: skip
 
 

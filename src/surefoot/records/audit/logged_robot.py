@@ -59,10 +59,10 @@ class LoggedRobot:
 
 
 def from_robot(robot: Robot, log: Log, owner: IntArray) -> LoggedRobot | str:
-    """Return a robot with a log's contact points on it, or why they are not its own.
+    """Return a robot with a log's (p,) contact points on it, or why they are not its own.
 
-    A recording's are matched by the names of feet, else by those of links; another log's are the robot's, in
-    its order.
+    `owner` (p,) is the index of the foot of each. A recording's are matched by the names of feet, else by those
+    of links; another log's are the robot's, in its order.
     """
     points = robot.contact_points
     if log.facts.get("kind") != "recording":
@@ -110,7 +110,10 @@ NEEDED = (
 
 
 def from_recording(log: Log, owner: IntArray) -> LoggedRobot | str:
-    """Return the robot of the model that a recording keeps, or why it cannot be built."""
+    """Return the robot of the model that a recording keeps, or why it cannot be built.
+
+    `owner` (p,) is the index of the foot of each contact point.
+    """
     lacking = [name for name in NEEDED if name not in log.facts]
     if lacking:
         return f"the log does not keep its model ({lacking[0]})"
@@ -147,7 +150,7 @@ def build_model(log: Log, kinds: list[str]) -> tuple[Any, list[int]]:
             off = pin.SE3.Identity()
         else:
             joint = joint_of[parent]
-            off = offset[parent] * _placed(fact["model_orientations"][body], fact["model_positions"][body])
+            off = offset[parent] * _placement(fact["model_orientations"][body], fact["model_positions"][body])
         for k in (k for k, owner in enumerate(owners) if owner == body):
             hinge = kinds[1 + k] == "hinge"
             kind = pin.JointModelRevoluteUnaligned if hinge else pin.JointModelPrismaticUnaligned
@@ -158,7 +161,7 @@ def build_model(log: Log, kinds: list[str]) -> tuple[Any, list[int]]:
                 joint, kind(*axes[k]), off * shift, f"{body}:{k}", big, big, np.array([low]), np.array([high])
             )
             off = shift.inverse()
-        inertia = _placed(fact["model_inertia_axes"][body], fact["model_centres"][body])
+        inertia = _placement(fact["model_inertia_axes"][body], fact["model_centres"][body])
         mass, moments = float(fact["model_masses"][body]), np.diag(fact["model_inertias"][body])
         own = pin.Inertia(mass, np.zeros(3), moments)
         model.appendBodyToJoint(joint, own, off * inertia)
@@ -167,7 +170,7 @@ def build_model(log: Log, kinds: list[str]) -> tuple[Any, list[int]]:
     return model, joint_of
 
 
-def _placed(quaternion: Any, position: Any) -> Any:
+def _placement(quaternion: Any, position: Any) -> Any:
     """Return the placement of a quaternion w, x, y, z and a position (3,) [m]."""
     import pinocchio as pin
 

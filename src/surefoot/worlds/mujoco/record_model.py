@@ -73,7 +73,7 @@ class ModelWatch:
         }  # fmt: skip
 
 
-class AskedTorques:
+class TorqueDemand:
     """What actuators of a model are asked for on its hinges and slides, before their limits cut it.
 
     By the model as it was at the start: an actuator whose gain is cut later gives less than is asked.

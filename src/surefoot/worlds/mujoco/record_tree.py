@@ -16,7 +16,7 @@ UNNAMED = "MuJoCo Model"
 """What MuJoCo calls a model without a name."""
 
 
-def _driven(mujoco: Any, model: Any) -> dict[int, int]:
+def _actuator_counts(mujoco: Any, model: Any) -> dict[int, int]:
     """Return how many actuators drive joints of each root: a sack on its back may weigh more than a robot."""
     out: dict[int, int] = {}
     joint = int(mujoco.mjtTrn.mjTRN_JOINT)
@@ -62,7 +62,7 @@ class BodyTree:
             raise ModelError("nothing moves in this model")
         names = {b: str(model.body(b).name) or f"body {b}" for b in range(model.nbody)}
         if robot is None:
-            driven = _driven(mujoco, model)
+            driven = _actuator_counts(mujoco, model)
             root = max(roots, key=lambda b: (driven.get(int(b), 0), float(model.body_subtreemass[b])))
         elif robot in names.values():
             root = next(b for b, name in names.items() if name == robot)
@@ -157,7 +157,7 @@ class BodyTree:
         """Return what actuators and the user put on the hinges and slides: (joints,) [N m, N]."""
         return np.asarray(data.qfrc_actuator[self.joint_dofs] + data.qfrc_applied[self.joint_dofs])
 
-    def pushed(self, data: Any) -> int:
+    def pushed_place(self, data: Any) -> int:
         """Return the place of the body on which `xfrc_applied` puts the most; -1 for none."""
         size = np.abs(data.xfrc_applied[self.bodies]).sum(axis=1)
         return int(size.argmax()) if size.any() else -1

@@ -17,7 +17,7 @@ from surefoot.records import CHANNELS, Ending, Log, Recorder, find_doubts
 from surefoot.worlds.mujoco.mujoco_world import import_mujoco
 from surefoot.worlds.mujoco.record_contacts import Slots
 from surefoot.worlds.mujoco.record_forces import ForceStages, TreeForces
-from surefoot.worlds.mujoco.record_model import AskedTorques, ModelWatch, foot_geoms, model_facts
+from surefoot.worlds.mujoco.record_model import TorqueDemand, ModelWatch, foot_geoms, model_facts
 from surefoot.worlds.mujoco.record_tree import BodyTree
 
 MOST_STEPS = 10**9
@@ -39,7 +39,7 @@ class Recording(Log):
         self._slots = Slots(self._mujoco, model, self._tree.bodies)
         self._stages = ForceStages(self._mujoco, model)
         self._forces = TreeForces(self._mujoco, model, self._tree)
-        self._asked = AskedTorques(self._mujoco, model, self._tree)
+        self._asked = TorqueDemand(self._mujoco, model, self._tree)
         self._watch = ModelWatch(self._mujoco, model)
         self._facts = self._model_facts()
         self._rows = Recorder(MOST_STEPS, _STATE, nq=model.nq, nv=model.nv, joints=self._tree.joints)
@@ -110,7 +110,7 @@ class Recording(Log):
         row["time"][at], row["q"][at], row["v"][at] = time, qpos, qvel
         row["torques"][at] = tree.torques(data)
         row["torques_commanded"][at] = self._asked.read(data)
-        row["pushed_body"][at] = tree.pushed(data)
+        row["pushed_body"][at] = tree.pushed_place(data)
         self._watch.look(time)
         change = data.qvel - qvel
         for k, (weight, instant) in enumerate(self._stages.of(data)):

@@ -99,11 +99,11 @@ RULES = (
         "lower the gains, or the time step; damping below the mass over the time step", leads=True,
     ),
     Rule(
-        "delayed control", control_causes.delayed, "torques answer the state of their own row",
+        "delayed control", control_causes.delay, "torques answer the state of their own row",
         "use the newest measurement; lower the gains for the delay that is left", outside=True,
     ),
     Rule(
-        "saturated actuator", control_causes.saturated, "no torque is at its limit for long",
+        "saturated actuator", control_causes.saturation, "no torque is at its limit for long",
         "slower or smaller motions, or stronger motors",
     ),
     Rule(

@@ -10,7 +10,7 @@ from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.records.audit.rows import sliding_mean
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
-from surefoot.records.audit.story.world_causes import changed
+from surefoot.records.audit.story.world_causes import model_changes
 
 LAGS, COARSE = 0.065, 0.004
 """Longest delay that is looked for, and in which steps at first [s]."""
@@ -22,14 +22,14 @@ ENOUGH = 1500
 
 def weak(s: Signals) -> Iterator[Sign]:
     """Yield actuators whose gain is cut, that give less than is asked for, or nothing from some time on."""
-    for time, name, factor in changed(s, "gain"):
+    for time, name, factor in model_changes(s, "gain"):
         if factor < s.limits.weaker:
             yield Sign(time, name, f"the gain of {name} falls to {factor:.0%}", 1.0 - factor)
     largest = _largest(s)
     if not len(largest):
         return
     for k, name in enumerate(s.joints):
-        sign = _less_than_asked(s, k, name) or _gone(s, k, name, float(largest[k]))
+        sign = _shortfall(s, k, name) or _torque_loss(s, k, name, float(largest[k]))
         if sign is not None:
             yield sign
 
@@ -40,7 +40,7 @@ def _largest(s: Signals) -> FloatArray:
     return np.where(np.isfinite(s.torque_limits), s.torque_limits, np.full(len(most), most.max(initial=0.0)))
 
 
-def _less_than_asked(s: Signals, k: int, name: str) -> Sign | None:
+def _shortfall(s: Signals, k: int, name: str) -> Sign | None:
     """Return where a joint gets less torque than is asked for though no limit of its own is met."""
     asked, given, limit = s.asked[:, k], s.torques[:, k], float(s.torque_limits[k])
     within = np.clip(asked, -limit, limit)
@@ -48,14 +48,14 @@ def _less_than_asked(s: Signals, k: int, name: str) -> Sign | None:
     floor = s.limits.carried * max(float(size.max(initial=0.0)), 1e-9)
     less = (size > floor) & (given * np.sign(within) < s.limits.weaker * size)
     row = s.first(less, s.rows(s.limits.brief))
-    cut = min((time for time, _, _ in changed(s, "torque limit")), default=np.inf)
+    cut = min((time for time, _, _ in model_changes(s, "torque limit")), default=np.inf)
     if row is None or s.time[row] >= cut or less[row:].mean() < 0.5 * (size[row:] > floor).mean():
         return None
     share = float(np.sum(given[row:] * within[row:]) / max(float(np.sum(within[row:] ** 2)), 1e-12))
     return Sign(float(s.time[row]), name, f"{name} gives {share:.0%} of the torque that is asked for", 1.0)
 
 
-def _gone(s: Signals, k: int, name: str, largest: float) -> Sign | None:
+def _torque_loss(s: Signals, k: int, name: str, largest: float) -> Sign | None:
     """Return where a joint that had a torque has none any more, to the last digit, until the end."""
     torque = s.torques[:, k]
     zero = np.abs(torque) <= 1e-9 * max(largest, 1e-9)
@@ -75,9 +75,9 @@ def _gone(s: Signals, k: int, name: str, largest: float) -> Sign | None:
     return Sign(float(s.time[row]), name, words, carried / max(largest, 1e-9))
 
 
-def saturated(s: Signals) -> Iterator[Sign]:
+def saturation(s: Signals) -> Iterator[Sign]:
     """Yield torques that stay at their limits for most of a time while more is asked for."""
-    for time, name, factor in changed(s, "torque limit"):
+    for time, name, factor in model_changes(s, "torque limit"):
         if factor < s.limits.weaker:
             yield Sign(time, name, f"the torque limit of {name} falls to {factor:.0%}", 1.0)
     at = at_limit(s)
@@ -103,7 +103,7 @@ def at_limit(s: Signals) -> BoolArray:
     return np.asarray(np.where(known, asked & (size >= 0.98 * limit), flat))
 
 
-def delayed(s: Signals) -> Iterator[Sign]:
+def delay(s: Signals) -> Iterator[Sign]:
     """Yield that torques answer the state of some time ago: explained far better with a lag than without."""
     q, v = s.joint_state
     longest = s.rows(LAGS)
@@ -114,7 +114,7 @@ def delayed(s: Signals) -> Iterator[Sign]:
     torque, place, speed = (np.diff(signal, axis=0) for signal in (s.asked, q, v))
 
     def left(lag: int) -> float:
-        return _unexplained(torque, place, speed, free[1:], lag, longest)
+        return _open_share(torque, place, speed, free[1:], lag, longest)
 
     coarse = range(0, longest + 1, max(1, s.rows(COARSE)))
     near = min(coarse, key=left)
@@ -125,7 +125,7 @@ def delayed(s: Signals) -> Iterator[Sign]:
         yield Sign(float(s.time[0]), "body", words, 1.0 - left(best) / without)
 
 
-def _unexplained(
+def _open_share(
     torque: FloatArray, q: FloatArray, v: FloatArray, free: BoolArray, lag: int, longest: int
 ) -> float:
     """Return the share of torques' changes (T, joints) that those of q and v so many rows before leave open.

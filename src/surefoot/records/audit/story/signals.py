@@ -235,5 +235,5 @@ class Signals:
         return self.numbers("q")[:, -count:], self.numbers("v")[:, -count:]
 
     def first(self, where: BoolArray, least: int = 1) -> int | None:
-        """Return the first of so many rows in a row that are true; None if there are no such."""
+        """Return the first of so many rows of (T,) in a row that are true; None if there are no such."""
         return next((start for start, end in runs_of(where) if end - start >= least), None)

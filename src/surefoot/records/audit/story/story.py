@@ -17,7 +17,7 @@ MOST_ROWS = 200_000
 """Rows that a story is read from: of a longer log the last."""
 
 
-def tell_story(log: Log, setting: Setting, symptoms: tuple[Finding, ...], task_failed: str) -> Story:
+def story_of(log: Log, setting: Setting, symptoms: tuple[Finding, ...], task_failed: str) -> Story:
     """Return the story of a log.
 
     Parameters
@@ -66,11 +66,11 @@ def _order(found: list[tuple[Rule, Sign]], s: Signals, failed: Event | None) -> 
         ]
     left.sort(key=lambda one: (one[0].residual, _rank(one, s)))
     names = dict.fromkeys(rule.name for rule, _ in left)
-    return [_joined([one for one in left if one[0].name == name], s) for name in names]
+    return [_join_signs([one for one in left if one[0].name == name], s) for name in names]
 
 
-def _joined(same: list[tuple[Rule, Sign]], s: Signals) -> tuple[Rule, Sign]:
-    """Return the first of the signs of a cause, the strongest of what begins with it, with all their places."""
+def _join_signs(same: list[tuple[Rule, Sign]], s: Signals) -> tuple[Rule, Sign]:
+    """Return the first sign of a cause, with the figures of the strongest and all places that begin with it."""
     rule, first = same[0]
     near = [sign for _, sign in same if sign.time - first.time <= s.limits.brief]
     near.sort(key=lambda sign: -sign.strength)

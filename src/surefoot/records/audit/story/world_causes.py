@@ -15,7 +15,7 @@ from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.symptoms.fits import rotation_between
 
 
-def changed(s: Signals, kind: str) -> Iterator[tuple[float, str, float]]:
+def model_changes(s: Signals, kind: str) -> Iterator[tuple[float, str, float]]:
     """Yield when, whose and by which factor the loop changed numbers of one kind in its model."""
     facts = s.log.facts
     rows = (facts.get(name, ()) for name in ("change_time", "change_kind", "change_name", "change_factor"))
@@ -57,14 +57,14 @@ def _hits(s: Signals) -> Iterator[tuple[int, int, FloatArray, str]]:
     """Yield the same of what movable bodies do to the robot, for less than a time of pushes."""
     if not s.torques.shape[1]:
         return  # what cannot move by itself is pushed on purpose
-    for k in np.flatnonzero(s.on_movable & ~_carries(s)):
+    for k in np.flatnonzero(s.on_movable & ~_bears_robot(s)):
         on = s.forces[:, k, 2] > s.limits.loaded * s.weight
         for start, end in spans(on, s.rows(s.limits.lies)):
             if (end - start) * s.dt < s.limits.lies:
                 yield start, end, s.world_forces[:, k], s.links[k]
 
 
-def _carries(s: Signals) -> BoolArray:
+def _bears_robot(s: Signals) -> BoolArray:
     """Return (p,) which contacts hold up the robot on something that can move: a board, not a ball thrown."""
     share = (s.world_forces @ s.up).sum(axis=0) / max(float((s.world_forces @ s.up).sum()), 1e-9)
     return np.asarray((share > 0.2) | (s.is_foot & (share > 0.0)))
@@ -74,7 +74,7 @@ def payload(s: Signals) -> Iterator[Sign]:
     """Yield mass that is added to a link, and bodies that come to lie on one."""
     masses = np.asarray(s.log.facts.get("model_masses", np.zeros(0)), dtype=np.float64)
     links = s.texts("model_bodies")
-    for time, name, factor in changed(s, "mass"):
+    for time, name, factor in model_changes(s, "mass"):
         if name in links and (factor - 1.0) * masses[links.index(name)] > 0.5 * s.limits.payload * s.mass:
             more = (factor - 1.0) * masses[links.index(name)]
             yield Sign(time, name, f"{name} is {more:.2g} kg heavier, {more / s.mass:.0%} of all", 1.0)
@@ -110,7 +110,7 @@ def _holds(mu: float) -> float:
 
 def slippery(s: Signals) -> Iterator[Sign]:
     """Yield feet that slide with their friction used up, on less of it than before or on little at all."""
-    for time, name, factor in changed(s, "friction"):
+    for time, name, factor in model_changes(s, "friction"):
         if factor < s.limits.less_grip:
             yield Sign(time, name, f"the friction of {name} falls to {factor:.0%}", 1.0)
     touched = s.texts("contact_with")
@@ -236,7 +236,7 @@ def _turned_about_normals(s: Signals, needed: FloatArray) -> FloatArray:
 
 
 def spans(on: BoolArray, join: int = 1) -> list[tuple[int, int]]:
-    """Return the runs of `runs_of`, those that less than `join` rows part taken for one."""
+    """Return the runs of (T,) flags, those that less than `join` rows part taken for one."""
     out: list[tuple[int, int]] = []
     for start, end in runs_of(on):
         if out and start - out[-1][1] < join:
