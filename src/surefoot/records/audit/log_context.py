@@ -182,7 +182,7 @@ def setting_of(log: Log, robot: Robot | None, limits: AuditLimits = LIMITS) -> S
                 f"the world declares a {name} of {value:.3g} {unit}: beyond {most:g} it hides anything; "
                 f"what helps is {REMEDIES[name]}"
             )
-    notes += _declared(log, limits)
+    notes += _fact_notes(log, limits)
     if any(soft):
         deep = "; that is soft: a stiffer contact would show more" if sinking > limits.records.deep else ""
         held = f"and {1e3 * stopping:.2g} mm until a sliding foot is held"
@@ -205,7 +205,7 @@ def setting_of(log: Log, robot: Robot | None, limits: AuditLimits = LIMITS) -> S
     )  # fmt: skip
 
 
-def _declared(log: Log, limits: AuditLimits) -> Iterator[str]:
+def _fact_notes(log: Log, limits: AuditLimits) -> Iterator[str]:
     """Yield a line for each declared fact that widens a limit by its own size."""
     if log.facts.get("velocities") == "mean":
         yield MEANS
