@@ -237,7 +237,7 @@ def lawful_log(log: Log) -> Lawful:
     return Lawful(log, Rows(log, setting_of(log, None), 0, len(log)))
 
 
-def spoilt(one: PlainLog, lawful: Lawful, spoil: Spoil, seed: int) -> tuple[Log, bool] | None:
+def spoil_log(one: PlainLog, lawful: Lawful, spoil: Spoil, seed: int) -> tuple[Log, bool] | None:
     """Return the spoilt log and whether it exceeds the tolerance; None where it lacks what is changed."""
     log = lawful.log
     if spoil.change is None:
@@ -261,7 +261,7 @@ def measure() -> Iterator[SpoilScore | str]:
             yield f"{one.name}: {report.sentence}"
         lawful = lawful_log(log)
         for spoil in SPOILS:
-            made = spoilt(one, lawful, spoil, seed)
+            made = spoil_log(one, lawful, spoil, seed)
             if made is not None:
                 found = audit_log(made[0]).verdict == "broken"
                 rows[spoil.name].append((one.name, made[1], found))

@@ -12,7 +12,7 @@ import surefoot as sf
 from benchmarks.limit_cases.law_cases import ball
 from benchmarks.problems.exact_drops import Drop
 from benchmarks.problems.plain_logs import plain_logs
-from benchmarks.spoils import SPOILS, SpoilScore, lawful_log, measure, spoilt
+from benchmarks.spoils import SPOILS, SpoilScore, lawful_log, measure, spoil_log
 from surefoot.base.spatial import GRAVITY
 from surefoot.records.log import Log
 from tests.records.audit.logs import TROT, changed, log_of
@@ -158,7 +158,7 @@ def test_spoilt_logs_are_found(name: str) -> None:
     lawful = lawful_log(one.make(False))
     assert sf.audit_log(lawful.log).verdict == "lawful"
     for spoil in SPOILS:
-        made = spoilt(one, lawful, spoil, 3)
+        made = spoil_log(one, lawful, spoil, 3)
         assert made is not None
         log, exceeds = made
         assert not exceeds or sf.audit_log(log).verdict == "broken", spoil.name

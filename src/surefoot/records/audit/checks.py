@@ -16,7 +16,7 @@ from surefoot.records.audit.balance import balance
 from surefoot.records.audit.cones import friction_needed, grip
 from surefoot.records.audit.consistency import acceleration, centre_of_mass, momentum, pressing, uneven
 from surefoot.records.audit.continuity import contact_velocity, gap_rate, no_kinematics, no_plane, state
-from surefoot.records.audit.flights import drives_itself, flights
+from surefoot.records.audit.flights import flights, what_drives
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.places import gap_place, jump, no_feet, no_ground
 from surefoot.records.audit.restitution import rebound, sparse
@@ -266,7 +266,7 @@ CHECKS = (
     ),
     Check(
         "flight", "what falls comes back no higher", "J", True, ("forces", "gaps", "contact_velocities"),
-        flights, drives_itself,
+        flights, what_drives,
     ),
     Check("state", "positions follow from velocities", "m", True, ("q", "v"), state),
     Check(

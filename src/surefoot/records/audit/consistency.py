@@ -54,7 +54,7 @@ def centre_of_mass(rows: Rows) -> Measured:
     share = (off * most).sum(axis=1) / np.maximum((most**2).sum(axis=1), 1e-30)
     value = np.linalg.norm(off - np.clip(share, -1.0, 1.0)[:, None] * most, axis=1)
     way = np.minimum(*(sliding_sum(np.linalg.norm(part, axis=1), w) for part in (went, mean)))
-    known = _swing(rows) + without_time(rows) / _mass(rows)
+    known = _swing(rows) + edge_forces(rows) / _mass(rows)
     swing = 0.5 * rows.dt**2 * (known if force is not None else _pushing(rows) / _mass(rows))
     limit = limits.consistency.way + limits.consistency.drift * way + sliding_sum(swing, w)
     return over(on_body(rows, value), on_limit(rows, limit))
@@ -80,7 +80,7 @@ def acceleration(rows: Rows) -> Measured:
     even = np.abs(rows.dt / rows.setting.dt - 1.0) < limits.records.same_dt
     known = sliding_sum((~even).astype(np.float64), 2 * w + 2) == 0.0
     swing = _swing(rows) * _mass(rows) / w
-    late_touch = 0.5 * sliding_sum(without_time(rows), 2 * w + 1) / w**2
+    late_touch = 0.5 * sliding_sum(edge_forces(rows), 2 * w + 1) / w**2
     limit[known] = (limits.balance.force * weight + sliding_max(swing, w) + late_touch)[known]
     return over(on_body(rows, value), on_limit(rows, limit))
 
@@ -110,7 +110,7 @@ def net_force(rows: Rows) -> FloatArray | None:
     return np.asarray(out @ free.T @ free)
 
 
-def without_time(rows: Rows) -> FloatArray:
+def edge_forces(rows: Rows) -> FloatArray:
     """Return the forces that begin or end within their rows, nobody knows when: (T,) [N]."""
     if not rows.has("forces"):
         return np.zeros(rows.count)

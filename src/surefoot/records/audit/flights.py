@@ -42,7 +42,7 @@ def flights(rows: Rows) -> Measured:
     return over(value, limit)
 
 
-def drives_itself(log: Log, setting: Setting) -> str:
+def what_drives(log: Log, setting: Setting) -> str:
     """Return why flights do not tell of touches; empty where nothing drives what flies."""
     if "torques" in log and bool(np.any(np.asarray(log["torques"][: 1 << 16]))):
         return "joints drive what flies"

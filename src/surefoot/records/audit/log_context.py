@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -157,13 +158,7 @@ def setting_of(log: Log, robot: Robot | None, limits: AuditLimits = LIMITS) -> S
                 f"the world declares a {name} of {value:.3g} {unit}: beyond {most:g} it hides anything; "
                 f"what helps is {REMEDIES[name]}"
             )
-    if log.facts.get("velocities") == "mean":
-        notes.append(MEANS)
-    if (margin := float(np.max(log.facts.get("contact_margin", 0.0)))) > limits.laws.penetration:
-        notes.append(
-            f"the world's contacts push from a margin of up to {1e3 * margin:.3g} mm: forces across such a "
-            f"gap count as lawful, up to {1e3 * limits.softness.sinking:g} mm; a margin of zero tells more"
-        )
+    notes += _fact_notes(log, limits)
     if any(soft):
         deep = "; that is soft: a stiffer contact would show more" if sinking > limits.records.deep else ""
         held = f"and {1e3 * stopping:.2g} mm until a sliding foot is held"
@@ -178,17 +173,33 @@ def setting_of(log: Log, robot: Robot | None, limits: AuditLimits = LIMITS) -> S
         )
     model, why = _robot(log, robot, owner, doubts, limits.records.same_mass)
     weight = _weight(log, model, payload, notes, doubts)
-    terrain = str(log.facts.get("terrain", "")).split(":")[0]
-    plane, ground = terrain in PLANES, None
-    if plane or not terrain:
-        near = limits.consistency.place + sinking
-        share = 0.0 if plane else limits.consistency.shown
-        ground = ground_plane(log, share, near, limits.laws.loaded * weight)
+    plane, ground = _ground(log, limits, sinking, weight)
     return Setting(
         names, owner, feet, weight, dt, sinking, creep, stopping, settling, payload, place, model, why,
         velocities_after(log, dt, limits.records.clear), forces_late(log, dt, weight),
         plane or ground is not None, ground, tuple(notes), tuple(doubts), limits,
     )  # fmt: skip
+
+
+def _fact_notes(log: Log, limits: AuditLimits) -> Iterator[str]:
+    """Yield a line for each declared fact that widens a limit by its own size."""
+    if log.facts.get("velocities") == "mean":
+        yield MEANS
+    if (margin := float(np.max(log.facts.get("contact_margin", 0.0)))) > limits.laws.penetration:
+        yield (
+            f"the world's contacts push from a margin of up to {1e3 * margin:.3g} mm: forces across such a "
+            f"gap count as lawful, up to {1e3 * limits.softness.sinking:g} mm; a margin of zero tells more"
+        )
+
+
+def _ground(log: Log, limits: AuditLimits, sinking: float, weight: float) -> tuple[bool, FloatArray | None]:
+    """Return whether a log's terrain is one plane by name, and the plane (4,) that its contacts show."""
+    terrain = str(log.facts.get("terrain", "")).split(":")[0]
+    if terrain and terrain not in PLANES:
+        return False, None
+    share = 0.0 if terrain else limits.consistency.shown
+    near = limits.consistency.place + sinking
+    return bool(terrain), ground_plane(log, share, near, limits.laws.loaded * weight)
 
 
 def _by_row(log: Log) -> bool:

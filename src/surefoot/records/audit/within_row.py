@@ -40,7 +40,7 @@ def way_to_touch(rows: Rows) -> FloatArray:
 
 
 def edges(rows: Rows) -> BoolArray:
-    """Return (T, p) over which rows' steps loads begin or end at an unknown time."""
+    """Return over which rows' steps (T, p) loads begin or end: loaded, but not on both sides."""
     loaded = rows.loaded
     inside = loaded.copy()
     inside[1:] &= loaded[:-1]
