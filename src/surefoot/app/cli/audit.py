@@ -60,7 +60,6 @@ def audit(
     input; 3 if one cannot tell.
     """
     from surefoot.app.cli.run_files import report_sections, write_page
-    from surefoot.app.viz.report import paragraph
     from surefoot.records import audit_log
 
     check_out(out)
@@ -89,13 +88,8 @@ def audit(
     if out is not None:
         folder = new_run_folder(out, f"audit-{log.stem}")
         (folder / "audit.json").write_text(to_json(facts) + "\n", encoding="utf-8")
-        why = "Why", paragraph(str(report.story))
-        sections = [
-            why,
-            _story(report, folder),
-            _picture(read, report, folder),
-            *report_sections(tables, lines),
-        ]
+        pictures = [_story(report, folder), _picture(read, report, folder)]
+        sections = [*pictures, *report_sections(tables, lines)]
         page = write_page(folder / "report.html", f"Audit of {log.name}", verdicts, sections)
         say(console, f"report: {page}")
     return report.exit_code or (0 if again is None or again.survives else 1)
@@ -189,9 +183,10 @@ def _story(report: AuditReport, folder: Path) -> tuple[str, str]:
     try:
         from surefoot.app.viz.story_plots import draw_story
 
-        return "What happened", picture(draw_story(report, folder / "story.png"))
+        drawn = picture(draw_story(report, folder / "story.png"))
     except MissingExtra as error:
-        return "What happened", paragraph(f"picture left out: {error}")
+        drawn = paragraph(f"picture left out: {error}")
+    return "What happened", paragraph(str(report.story)) + drawn
 
 
 def _picture(log: Log, report: AuditReport, folder: Path) -> tuple[str, str]:

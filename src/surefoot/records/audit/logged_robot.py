@@ -61,8 +61,8 @@ class LoggedRobot:
 def from_robot(robot: Robot, log: Log, owner: IntArray) -> LoggedRobot | str:
     """Return a robot with a log's (p,) contact points on it, or why they are not its own.
 
-    `owner` (p,) is the index of the foot of each. A recording's are matched by the names of feet, else by those
-    of links; another log's are the robot's, in its order.
+    `owner` (p,) is the index of the foot of each. A recording's are matched by the names of feet, else by
+    those of links; another log's are the robot's, in its order.
     """
     points = robot.contact_points
     if log.facts.get("kind") != "recording":

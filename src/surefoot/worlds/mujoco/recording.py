@@ -17,7 +17,7 @@ from surefoot.records import CHANNELS, Ending, Log, Recorder, find_doubts
 from surefoot.worlds.mujoco.mujoco_world import import_mujoco
 from surefoot.worlds.mujoco.record_contacts import Slots
 from surefoot.worlds.mujoco.record_forces import ForceStages, TreeForces
-from surefoot.worlds.mujoco.record_model import TorqueDemand, ModelWatch, foot_geoms, model_facts
+from surefoot.worlds.mujoco.record_model import ModelWatch, TorqueDemand, foot_geoms, model_facts
 from surefoot.worlds.mujoco.record_tree import BodyTree
 
 MOST_STEPS = 10**9

@@ -70,7 +70,7 @@ def _order(found: list[tuple[Rule, Sign]], s: Signals, failed: Event | None) -> 
 
 
 def _join_signs(same: list[tuple[Rule, Sign]], s: Signals) -> tuple[Rule, Sign]:
-    """Return the first sign of a cause, with the figures of the strongest and all places that begin with it."""
+    """Return the first sign of a cause, with the figures of the strongest and all its places."""
     rule, first = same[0]
     near = [sign for _, sign in same if sign.time - first.time <= s.limits.brief]
     near.sort(key=lambda sign: -sign.strength)

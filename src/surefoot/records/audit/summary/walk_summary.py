@@ -138,10 +138,10 @@ def follows(log: Log, limits: AuditLimits = LIMITS) -> bool:
 
     A walk that granted nothing of a velocity asked for did not, though it followed what was left: none.
     """
-    return granted(log) >= NONE and velocity_tracking(log, limits).followed_within(limits)
+    return least_granted(log) >= NONE and velocity_tracking(log, limits).followed_within(limits)
 
 
-def granted(log: Log) -> float:
+def least_granted(log: Log) -> float:
     """Return the least share of a velocity asked for that a walk granted."""
     return float(log.facts.get("granted_share", 1.0))
 
