@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Container, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -75,9 +75,10 @@ class Slots:
         Force between links of the robot in the step that is read [N], and the two bodies of the hardest.
     """
 
-    def __init__(self, mujoco: Any, model: Any, bodies: IntArray) -> None:
+    def __init__(self, mujoco: Any, model: Any, bodies: IntArray, mount: Sequence[int]) -> None:
         self._mujoco, self._model = mujoco, model
         self._robot = np.isin(model.geom_bodyid, bodies)
+        self._mount = np.isin(model.geom_bodyid, mount)
         self._slots: list[Slot] = []
         self._of: dict[tuple[int, int], list[int]] = {}
         self._found: list[tuple[int, int]] = []  # step and contact point of each row
@@ -105,11 +106,12 @@ class Slots:
             first, second = int(contact.geom[0]), int(contact.geom[1])
             if first < 0 or second < 0 or contact.exclude:
                 continue  # flex, or a gap that gives no force
-            if self._robot[first] and self._robot[second]:
+            own = self._robot[[first, second]]
+            if own.all() or (own.any() and self._mount[[first, second]].any()):
                 self.inner += 1
                 self._mujoco.mj_contactForce(self._model, data, c, force)
                 self._add_inner(weight * float(np.linalg.norm(force[:3])), first, second)
-            elif self._robot[first] or self._robot[second]:
+            elif own.any():
                 self._mujoco.mj_contactForce(self._model, data, c, force)
                 pair = (second, first) if self._robot[second] else (first, second)
                 row = self._row(data, contact, force, pair, joints)

@@ -30,6 +30,15 @@ def _actuator_counts(mujoco: Any, model: Any) -> dict[int, int]:
     return out
 
 
+def _mount(model: Any, root: int) -> list[int]:
+    """Return the bodies between a root and the world."""
+    out, body = [], int(model.body_parentid[root])
+    while body != 0:
+        out.append(body)
+        body = int(model.body_parentid[body])
+    return out
+
+
 class BodyTree:
     """A robot within a MuJoCo model: a body and all below it.
 
@@ -39,6 +48,9 @@ class BodyTree:
         Of its root body; of the model, where it names itself and nothing else moves in it, else the same.
     bodies, place
         Numbers of its bodies, and body to place among them.
+    mount
+        Numbers of the bodies that stand still and that its root hangs on: it can collide with them as with
+        itself.
     mass
         Of all of them [kg].
     joint_names, joints
@@ -74,6 +86,7 @@ class BodyTree:
             if int(model.body_parentid[b]) in below:
                 below.add(b)
         self.bodies = np.array(sorted(below))
+        self.mount = _mount(model, root)
         self.place = {int(body): k for k, body in enumerate(self.bodies)}
         self.mass = float(model.body_subtreemass[root])
         self.others = [

@@ -36,7 +36,7 @@ class Recording(Log):
             )
         self._model, self._data = model, data
         self._tree = BodyTree(self._mujoco, model, robot)
-        self._slots = Slots(self._mujoco, model, self._tree.bodies)
+        self._slots = Slots(self._mujoco, model, self._tree.bodies, self._tree.mount)
         self._stages = ForceStages(self._mujoco, model)
         self._forces = TreeForces(self._mujoco, model, self._tree)
         self._asked = TorqueDemand(self._mujoco, model, self._tree)
