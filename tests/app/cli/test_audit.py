@@ -32,7 +32,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_a_clean_log_ends_with_zero(folder: Path, printed: Any) -> None:
     said = printed("audit", folder / "clean.npz")
-    assert "lawful: all 11 laws that could be judged hold (1200 rows, 1.2 s); the task was attained" in said
+    assert "lawful: all 13 laws that could be judged hold (1200 rows, 1.2 s); the task was attained" in said
 
 
 def test_json_is_the_report_and_nothing_else(folder: Path, answer: Any) -> None:
@@ -64,8 +64,8 @@ def test_the_page_holds_verdict_timeline_and_tables(folder: Path, tmp_path: Path
     assert main(["audit", str(folder / "sunk.npz"), "--out", str(tmp_path)]) == 1
     (made,) = tmp_path.iterdir()
     page = (made / "report.html").read_text(encoding="utf-8")
-    assert 'class="verdict">broken: 3 violations of gap rate, penetration' in page
-    assert page.count("data:image/png;base64,") == 1
+    assert 'class="verdict">broken: 4 violations of gap rate, penetration, gap place' in page
+    assert page.count("data:image/png;base64,") == 2  # the story and the timeline
     for title in ("Timeline", "Symptoms", "Violations", "What could be judged", "Friction of the ground"):
         assert f"<h2>{title}" in page
     assert json.loads((made / "audit.json").read_text())["verdict"] == "broken"

@@ -10,6 +10,7 @@ import pytest
 from surefoot.app.cli.run_output import walk_headline
 from surefoot.motion.walking.walking_controller import WalkSettings
 from surefoot.records.audit.dynamics import unexplained
+from surefoot.records.audit.logged_robot import LoggedRobot, from_robot
 from surefoot.records.log import Log
 from surefoot.worlds.running.run import Push
 from surefoot.worlds.running.scenario import Fall
@@ -40,9 +41,11 @@ def test_logged_rotors_and_friction_explain_the_joints() -> None:
     log, _ = walk(0.5, 1.0, world=WHOLE, settings=settings, sensors=SensorModel(), seed=1)
     log = log.rows(slice(500, 900))
     frames = np.asarray(log["forces"])  # flat ground: contact axes are the world's
-    known = np.median(np.linalg.norm(unexplained(GO2, log, frames).feet, axis=2))
+    robot = from_robot(GO2, log, np.asarray(log.facts["contact_foot"]))
+    assert isinstance(robot, LoggedRobot)
+    known = np.median(np.linalg.norm(unexplained(robot, log, frames).feet, axis=2))
     bare = Log(log.arrays, {k: v for k, v in log.facts.items() if k not in ("armature", "dry_friction")})
-    unknown = np.median(np.linalg.norm(unexplained(GO2, bare, frames).feet, axis=2))
+    unknown = np.median(np.linalg.norm(unexplained(robot, bare, frames).feet, axis=2))
     assert known < 0.25
     assert unknown > 4.0 * known
 

@@ -65,8 +65,10 @@ class Sole:
     --------
     >>> sole = Sole(length=0.22, width=0.09, mu=0.6)
     >>> push = [55.0, 0.0, 100.0, 0.0, 0.0, 0.0]
-    >>> bool(sole.contains(push)), round(float(sole.margin(push)), 6),
-    round(float(sole.friction_needed(push)), 6) (True, 8.333333, 0.55)
+    >>> bool(sole.contains(push)), round(float(sole.margin(push)), 6)
+    (True, 8.333333)
+    >>> round(float(sole.friction_needed(push)), 6)
+    0.55
     >>> sole.use(push).binds.item()
     'friction'
     """
