@@ -15,7 +15,7 @@ from surefoot.records import Log
 from surefoot.records.audit.story.causes import RULES
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "worlds" / "mujoco"))
-from strangers import crate, quadruped
+from strangers import crate, quadruped, thrown_crate
 
 
 def cut(model: Any, data: Any, step: int) -> None:
@@ -74,6 +74,16 @@ def test_where_nothing_fails_there_is_no_cause(make: Any) -> None:
     assert report.first_cause is None
     assert "Nothing went wrong" in str(report)
     assert report.task == "unknown"  # a loop of somebody's that says of no task
+
+
+def test_what_soft_contact_gave_back_is_said() -> None:
+    """A crate thrown flat slides by Coulomb's law; soft contact catches its edge and throws it up."""
+    report = sf.audit_log(thrown_crate(9.0))
+    found = report.first_cause
+    assert found is not None
+    assert found.name == "soft contact"
+    assert "gives back" in report.sentence
+    assert sf.audit_log(thrown_crate(0.5)).first_cause is None
 
 
 def test_a_turned_log_is_told_from_a_fall() -> None:

@@ -47,6 +47,18 @@ def crate(mu: float = 0.8, tilt: float = 0.0, steps: int = 600, hook: Hook = lam
     return _run(model, steps, lambda data: None, hook)
 
 
+def thrown_crate(speed: float) -> Log:
+    """Return the log of a crate that is thrown flat over a plane [m/s]."""
+    text = CRATE.format(mu=0.5, tilt=0, height=0.1001).replace("friction='.05", "friction='.1")
+    model = mujoco.MjModel.from_xml_string(text)
+
+    def throw(model: Any, data: Any, step: int) -> None:
+        if step == 0:
+            data.qvel[0] = speed
+
+    return _run(model, 800, lambda data: None, throw)
+
+
 def quadruped(steps: int = 700, hook: Hook = lambda m, d, i: None) -> Log:
     """Return the log of a quadruped that stands by PD."""
     model = mujoco.MjModel.from_xml_string(QUADRUPED)

@@ -193,7 +193,8 @@ class AuditReport:
     log: Log | None = field(default=None, repr=False, compare=False)
 
     def __str__(self) -> str:
-        return f"{self.story} {self.sentence[0].upper()}{self.sentence[1:]}."
+        physics = self._physics
+        return f"{self.story} {physics[0].upper()}{physics[1:]}."
 
     @property
     def causes(self) -> tuple[Cause, ...]:
@@ -220,7 +221,8 @@ class AuditReport:
         """The verdict in one sentence: whether physics held, and whether the task was attained."""
         task = {"attained": "; the task was attained", "failed": f"; the task failed: {self.task_reason}"}
         asked = f"; the command: {self.command[0]}" if self.command else ""
-        return self._physics + task.get(self.task, "") + asked
+        why = "" if self.first_cause is None else f"; first cause: {self.first_cause}"
+        return self._physics + task.get(self.task, "") + asked + why
 
     @property
     def passed(self) -> bool:

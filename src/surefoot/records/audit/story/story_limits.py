@@ -50,6 +50,9 @@ class StoryLimits(Settings):
     )
     froude: float = setting(1.0, "sqrt(g h)", "commanded speed from which legs cannot follow", low=0.0)
     turned: float = setting(0.3, "-", "share of the force that a log's own forces leave unexplained", low=0.0)
+    returned: float = setting(
+        0.3, "m g h", "energy that contact gives back in a window, from which it is soft", low=0.0
+    )
     lifts: float = setting(
         0.08, "m g", "force that lifts or drops a body at rest, of a controller for another mass", low=0.0
     )

@@ -9,7 +9,7 @@ import numpy as np
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.numerics.phases import runs_of
 from surefoot.mechanics import frames_on
-from surefoot.records.audit.rows import sliding_mean
+from surefoot.records.audit.rows import sliding_mean, sliding_sum
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.symptoms.fits import rotation_between
@@ -177,6 +177,25 @@ def soft(s: Signals) -> Iterator[Sign]:
         if row is not None:
             way = -1e3 * float(s.gaps[:, k].min())
             yield Sign(float(s.time[row]), s.links[k], f"it sinks {way:.0f} mm into the ground", way / 1e3)
+    yield from returned_energy(s)
+
+
+def returned_energy(s: Signals) -> Iterator[Sign]:
+    """Yield that contact that should not rebound gave back energy, where a rigid one gives none."""
+    if "contact_velocities" not in s or s.height <= 0.0:
+        return
+    dead = np.asarray(s.log.facts.get("critically_damped", np.zeros(len(s.names)))) > 0.0
+    power = np.where(dead, s.forces[..., 2] * s.numbers("contact_velocities")[..., 2], 0.0)
+    given = sliding_sum(np.maximum(power, 0.0).sum(axis=1), s.rows(s.limits.lies)) * s.dt
+    row = int(given.argmax())
+    if given[row] > s.limits.returned * s.weight * s.height:
+        k, lift = int(power[row].argmax()), float(given[row] / s.weight)
+        first = s.first(given > 0.5 * given[row]) or 0
+        words = (
+            f"it gives back {given[row]:.2g} J within {s.limits.lies:g} s, enough to lift all by "
+            f"{1e3 * lift:.0f} mm, where rigid contact gives none"
+        )
+        yield Sign(float(s.time[first]), s.links[k], words, 1.0)
 
 
 def self_collision(s: Signals) -> Iterator[Sign]:
