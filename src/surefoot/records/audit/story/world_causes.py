@@ -185,6 +185,7 @@ def returned_energy(s: Signals) -> Iterator[Sign]:
     if "contact_velocities" not in s or s.height <= 0.0:
         return
     dead = np.asarray(s.log.facts.get("critically_damped", np.zeros(len(s.names)))) > 0.0
+    dead &= ~s.on_movable
     power = np.where(dead, s.forces[..., 2] * s.numbers("contact_velocities")[..., 2], 0.0)
     given = sliding_sum(np.maximum(power, 0.0).sum(axis=1), s.rows(s.limits.lies)) * s.dt
     row = int(given.argmax())
