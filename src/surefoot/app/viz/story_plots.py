@@ -13,7 +13,6 @@ from surefoot.base.errors import ProblemError
 from surefoot.records.audit import AuditReport
 from surefoot.records.audit.log_context import Setting, setting_of
 from surefoot.records.audit.logged_robot import LoggedRobot
-from surefoot.records.audit.story.balance_causes import capture_outside
 from surefoot.records.audit.story.signals import Signals
 
 MOST_EVENTS = 6
@@ -96,7 +95,7 @@ def _panels(s: Signals, report: AuditReport) -> dict[str, tuple[FloatArray, list
         busy = np.argsort(-s.forces[..., 2].sum(axis=0))[:6]
         out["friction\nneeded / mu"] = used[:, busy], [s.names[k] for k in busy], 1.0
     if s.floating and s.loaded.any():
-        curves = np.stack([100.0 * capture_outside(s), np.degrees(s.lean)], axis=1)
+        curves = np.stack([100.0 * s.capture_outside, np.degrees(s.lean)], axis=1)
         out["balance"] = curves, ["capture point\noutside feet [cm]", "lean [deg]"], 0.0
     if s.torques.shape[1]:
         most = np.abs(s.torques).max(axis=0)

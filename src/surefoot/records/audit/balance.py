@@ -10,14 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from surefoot.base.arrays import FloatArray
 from surefoot.records.audit.rows import Measured, Rows, on_body, over, sliding_mean
 from surefoot.records.audit.within_row import moved_moment
-
-
-def left_over(rows: Rows) -> FloatArray:
-    """Return the wrench about the centre of mass that nothing in the log explains: (T, 6) [N, N m]."""
-    return rows.left_over
 
 
 def balance(rows: Rows) -> Measured:

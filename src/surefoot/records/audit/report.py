@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field, fields, is_dataclass
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal, TypeAlias
 
 from surefoot.base.errors import SurefootError
@@ -263,16 +263,6 @@ class AuditReport:
 
     def as_dict(self) -> dict[str, Any]:
         """Return everything but the limits and the log by name, for JSON."""
-        found: dict[str, Any] = {"sentence": self.sentence}
-        for one in fields(self):
-            value = getattr(self, one.name)
-            if one.name not in ("limits", "log"):
-                found[one.name] = _plain(value)
+        found = {"sentence": self.sentence, **asdict(replace(self, log=None))}
+        del found["limits"], found["log"]
         return found
-
-
-def _plain(value: Any) -> Any:
-    """Return dataclasses, alone or in tuples, as dictionaries."""
-    if is_dataclass(value) and not isinstance(value, type):
-        return asdict(value)
-    return [_plain(one) for one in value] if isinstance(value, tuple) else value

@@ -92,7 +92,7 @@ class TorqueDemand:
         joint = int(mujoco.mjtTrn.mjTRN_JOINT)
         fixed, none = int(mujoco.mjtGain.mjGAIN_FIXED), int(mujoco.mjtDyn.mjDYN_NONE)
         affine, plain = int(mujoco.mjtBias.mjBIAS_AFFINE), int(mujoco.mjtBias.mjBIAS_NONE)
-        self._rows: list[tuple[int, int, float, FloatArray]] = []
+        rows: list[tuple[int, int, float, FloatArray]] = []
         self.known = model.nu > 0
         self.limits = np.full(tree.joints, np.inf)
         limits = np.zeros(tree.joints)
@@ -109,10 +109,13 @@ class TorqueDemand:
             terms[0] = model.actuator_gainprm[k, 0]
             if bias == affine:
                 terms[1:] = model.actuator_biasprm[k, :3]
-            self._rows.append((k, at, gear, terms))
+            rows.append((k, at, gear, terms))
             limits[at] += abs(gear) * self._largest(k, terms)
-        driven = [at for _, at, _, _ in self._rows]
-        self.limits[driven] = limits[driven]
+        self._actuators = np.array([k for k, *_ in rows], dtype=np.int64)
+        self._places = np.array([at for _, at, _, _ in rows], dtype=np.int64)
+        self._gears = np.array([gear for _, _, gear, _ in rows])
+        self._terms = np.array([terms for *_, terms in rows]).reshape(-1, 4).T
+        self.limits[self._places] = limits[self._places]
         own = np.array([int(model.dof_jntid[dof]) for dof in tree.joint_dofs], dtype=np.int64)
         bound = np.asarray(model.jnt_actfrclimited, dtype=bool)[own]
         self.limits[bound] = np.minimum(self.limits, model.jnt_actfrcrange[own, 1])[bound]
@@ -128,11 +131,10 @@ class TorqueDemand:
 
     def read(self, data: Any) -> FloatArray:
         """Return what is asked for at an instant: (joints,) [N m, N]."""
-        out = np.zeros(len(self.limits))
-        for k, at, gear, terms in self._rows:
-            length, rate = data.actuator_length[k], data.actuator_velocity[k]
-            out[at] += gear * (terms[0] * data.ctrl[k] + terms[1] + terms[2] * length + terms[3] * rate)
-        return out
+        k, (gain, *bias) = self._actuators, self._terms
+        length, rate = data.actuator_length[k], data.actuator_velocity[k]
+        force = gain * data.ctrl[k] + bias[0] + bias[1] * length + bias[2] * rate
+        return np.asarray(np.bincount(self._places, self._gears * force, len(self.limits)), dtype=np.float64)
 
 
 def body_name(model: Any, body: int) -> str:

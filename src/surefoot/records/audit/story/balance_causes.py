@@ -24,40 +24,9 @@ TIPS = 1.6
 """Times sqrt(h / g) that a body stands on two feet of four before it cannot be caught."""
 
 
-def capture_outside(s: Signals) -> FloatArray:
-    """Return how far the capture point is outside the feet's hull: (T,) [m], zero inside, NaN in the air."""
-    from scipy.spatial import ConvexHull, QhullError
-
-    along = _level_axes(s)
-    points = s.com + s.com_velocity * np.sqrt(max(s.height, 1e-3) / 9.81)
-    capture, places = points @ along.T, s.positions @ along.T
-    feet = s.is_foot & ~s.on_movable
-    out = np.full(len(s.time), np.nan)
-    stride = max(1, s.rows(0.01))
-    for t in range(0, len(out), stride):
-        if not (s.loaded[t] & feet).any():
-            continue
-        at = places[t][feet]
-        try:
-            planes = ConvexHull(at).equations
-            distance = float((planes[:, :2] @ capture[t] + planes[:, 2]).max())
-        except (QhullError, ValueError):
-            distance = float(np.linalg.norm(at - capture[t], axis=1).min())
-        out[t : t + stride] = max(distance, 0.0)
-    return out
-
-
-def _level_axes(s: Signals) -> FloatArray:
-    """Return two axes (2, 3) across gravity."""
-    other = np.eye(3)[int(np.abs(s.up).argmin())]
-    first = np.cross(s.up, other)
-    first /= np.linalg.norm(first)
-    return np.stack([first, np.cross(s.up, first)])
-
-
 def left_the_feet(s: Signals) -> int | None:
     """Return the row from which on the capture point stays outside the feet until the end or a fall."""
-    outside = np.nan_to_num(capture_outside(s)) > 0.02 * max(s.height, 0.1)
+    outside = np.nan_to_num(s.capture_outside) > 0.02 * max(s.height, 0.1)
     long = [(a, b) for a, b in spans(outside, s.rows(0.05)) if (b - a) * s.dt > 0.1]
     return long[0][0] if long else None
 
@@ -90,7 +59,7 @@ def slow(s: Signals) -> Iterator[Sign]:
     down = [s.loaded[:, np.array([link == one for link in s.links]) & feet].any(axis=1) for one in owners]
     standing = np.sum(down, axis=0) if down else np.zeros(len(s.time))
     if len(owners) >= 3:
-        tips = TIPS * float(np.sqrt(max(s.height, 1e-3) / 9.81))
+        tips = TIPS * s.pendulum_time
         row = s.first((standing > 0) & (standing <= 2), s.rows(tips))
         if row is not None and row > 0:
             words = f"it stands on two feet for more than {tips:.2f} s, in which it tips over them"
@@ -163,6 +132,6 @@ def bias(s: Signals) -> Iterator[Sign]:
         return
     if pull is not None and float(np.linalg.norm(pull - (pull @ s.up) * s.up)) < 0.2 * s.limits.drives:
         return
-    drift = (s.com[row] - s.com[0]) @ _level_axes(s).T
+    drift = (s.com[row] - s.com[0]) @ s.level_axes.T
     words = f"it is driven {100.0 * float(np.linalg.norm(drift)):.0f} cm to one side until it tips"
     yield Sign(float(s.time[0]), s.base, words, 0.2)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.spatial import GRAVITY
 from surefoot.records.audit.rows import sliding_mean
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
@@ -14,8 +15,6 @@ from surefoot.records.audit.story.world_causes import model_changes
 
 LAGS, COARSE = 0.065, 0.004
 """Longest delay that is looked for, and in which steps at first [s]."""
-
-
 ENOUGH = 1500
 """Rows from which a delay is told; of a longer log every so many."""
 
@@ -170,7 +169,7 @@ def impossible(s: Signals) -> Iterator[Sign]:
     """Yield commanded speeds that no legs of this height follow, and joints driven into their stops."""
     if "command" in s and s.height > 0.0:
         speed = np.hypot(*s.numbers("command")[:, :2].T)
-        fastest = s.limits.froude * float(np.sqrt(9.81 * s.height))
+        fastest = s.limits.froude * float(np.sqrt(GRAVITY * s.height))
         row = s.first(speed > fastest)
         if row is not None:
             words = f"{speed[row]:.2f} m/s is commanded, legs of this height do {fastest:.2f} at most"

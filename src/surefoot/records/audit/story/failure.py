@@ -60,11 +60,3 @@ def slide(s: Signals) -> Event | None:
     begun = max(row - window, 0) + int(s.sliding[max(row - window, 0) : row + 1, k].argmax())
     total = float(way[-1].max())
     return Event("slides", float(s.time[begun]), s.names[k], f"{total:.2f} m with its friction used up")
-
-
-def failure(s: Signals, task_failed: str = "") -> Event | None:
-    """Return what a story has to explain, None where nothing went wrong that the log can tell."""
-    found = fall(s) or slide(s)
-    if found is None and task_failed:
-        return Event("task failed", float(s.time[-1]), "body", task_failed)
-    return found

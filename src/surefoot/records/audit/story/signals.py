@@ -11,10 +11,11 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.numerics.phases import runs_of
-from surefoot.base.spatial import rotation_from_quaternion
+from surefoot.base.spatial import GRAVITY, rotation_from_normal, rotation_from_quaternion
 from surefoot.mechanics import frames_on
 from surefoot.records.audit.continuity import free_base
 from surefoot.records.audit.log_context import Setting
+from surefoot.records.audit.rows import Rows
 from surefoot.records.audit.story.story_limits import STORY_LIMITS, StoryLimits
 from surefoot.records.log import Log
 
@@ -32,6 +33,7 @@ class Signals:
 
     def __init__(self, log: Log, setting: Setting, limits: StoryLimits = STORY_LIMITS) -> None:
         self.log, self.setting, self.limits = log, setting, limits
+        self._rows = Rows(log, setting, 0, len(log))
         self.names, self.weight, self.dt = setting.names, setting.weight, setting.dt
 
     def __contains__(self, name: object) -> bool:
@@ -39,7 +41,7 @@ class Signals:
 
     def numbers(self, name: str) -> FloatArray:
         """Return a channel in its shape (T, ...) and unit, zero where it is not finite."""
-        return np.nan_to_num(np.asarray(self.log[name], dtype=np.float64), posinf=0.0, neginf=0.0)
+        return self._rows.numbers(name)
 
     def rows(self, seconds: float) -> int:
         """Return how many rows a time [s] has, one at least."""
@@ -57,7 +59,7 @@ class Signals:
     @cached_property
     def gravity(self) -> FloatArray:
         """(3,) [m/s²]."""
-        return np.asarray(self.log.facts.get("gravity", (0.0, 0.0, -9.81)), dtype=np.float64)
+        return np.asarray(self.log.facts.get("gravity", (0.0, 0.0, -GRAVITY)), dtype=np.float64)
 
     @cached_property
     def up(self) -> FloatArray:
@@ -68,7 +70,7 @@ class Signals:
     @cached_property
     def mass(self) -> float:
         """Mass of all that moves [kg]."""
-        return self.weight / 9.81
+        return self.weight / GRAVITY
 
     @cached_property
     def floating(self) -> bool:
@@ -84,7 +86,7 @@ class Signals:
         """(T,) angle of the base's up axis from where it was at first [rad]; zero without a free base."""
         if not self.floating:
             return np.zeros(len(self.time))
-        turn = self.numbers("q")[:, 3:7]
+        turn = self.numbers("q")[:, 3:7].copy()
         turn[~turn.any(axis=1)] = turn[0]  # what was NaN
         up = rotation_from_quaternion(turn)[:, :, 2]
         return np.asarray(np.arccos(np.clip(up @ up[0], -1.0, 1.0)))
@@ -126,7 +128,7 @@ class Signals:
     @cached_property
     def forces(self) -> FloatArray:
         """(T, p, 3) contact axes [N]."""
-        return self.numbers("forces") if "forces" in self else np.zeros((len(self.time), 0, 3))
+        return self._rows.forces
 
     @cached_property
     def normals(self) -> FloatArray:
@@ -197,6 +199,38 @@ class Signals:
             return 0.0
         row = int(self.loaded.any(axis=1).argmax())
         return float(((self.com[row] - self.positions[row][self.loaded[row]]) @ self.up).max())
+
+    @cached_property
+    def pendulum_time(self) -> float:
+        """Time sqrt(h / g) in which a body at the height of the centre of mass tips [s]."""
+        return float(np.sqrt(max(self.height, 1e-3) / GRAVITY))
+
+    @cached_property
+    def level_axes(self) -> FloatArray:
+        """(2, 3) two axes across gravity."""
+        return rotation_from_normal(self.up).T[:2]
+
+    @cached_property
+    def capture_outside(self) -> FloatArray:
+        """(T,) how far the capture point is outside the feet's hull [m]; zero inside, NaN in the air."""
+        from scipy.spatial import ConvexHull, QhullError
+
+        points = self.com + self.com_velocity * self.pendulum_time
+        capture, places = points @ self.level_axes.T, self.positions @ self.level_axes.T
+        feet = self.is_foot & ~self.on_movable
+        out = np.full(len(self.time), np.nan)
+        stride = self.rows(0.01)
+        for t in range(0, len(out), stride):
+            if not (self.loaded[t] & feet).any():
+                continue
+            at = places[t][feet]
+            try:
+                planes = ConvexHull(at).equations
+                distance = float((planes[:, :2] @ capture[t] + planes[:, 2]).max())
+            except (QhullError, ValueError):
+                distance = float(np.linalg.norm(at - capture[t], axis=1).min())
+            out[t : t + stride] = max(distance, 0.0)
+        return out
 
     @cached_property
     def torques(self) -> FloatArray:

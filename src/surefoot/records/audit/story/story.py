@@ -5,7 +5,7 @@ from __future__ import annotations
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.report import Finding
 from surefoot.records.audit.story.causes import RULES, WRONG_FRAME, Rule, frame_sign
-from surefoot.records.audit.story.failure import failure, fall, slide
+from surefoot.records.audit.story.failure import fall, slide
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.story.told import Cause, Event, Story
@@ -34,18 +34,19 @@ def story_of(log: Log, setting: Setting, symptoms: tuple[Finding, ...], task_fai
     if len(log) > MOST_ROWS:
         log = log.rows(slice(len(log) - MOST_ROWS, None))
     s = Signals(log, setting)
-    failed = failure(s, task_failed)
+    happened = [event for event in (fall(s), slide(s)) if event is not None]
+    failed = next(iter(happened), None)
+    if failed is None and task_failed:
+        failed = Event("task failed", float(s.time[-1]), "body", task_failed)
     frame = next(WRONG_FRAME.find(s), None) or frame_sign(symptoms)
-    if frame is not None and (
-        failed is None or frame.time < failed.time
-    ):  # what is read off such forces says nothing
+    if frame is not None and (failed is None or frame.time < failed.time):
+        # what is read off such forces says nothing
         cause = _cause(WRONG_FRAME, frame)
         return Story((_event(cause),), (cause,), failed)
     rules = [rule for rule in RULES if failed is not None or not rule.residual]
     found = [(rule, sign) for rule in rules for sign in rule.find(s)]
     causes = tuple(_cause(rule, sign) for rule, sign in _order(found, s, failed))
-    events = {_event(_cause(rule, sign)) for rule, sign in found}
-    events |= {event for event in (fall(s), slide(s)) if event is not None}
+    events = {_event(_cause(rule, sign)) for rule, sign in found} | set(happened)
     return Story(tuple(sorted(events, key=lambda e: e.time)), causes, failed)
 
 
@@ -60,10 +61,6 @@ def _event(cause: Cause) -> Event:
 def _order(found: list[tuple[Rule, Sign]], s: Signals, failed: Event | None) -> list[tuple[Rule, Sign]]:
     """Return the causes that may explain the failure, one of a name, the likeliest first."""
     left = [(rule, sign) for rule, sign in found if _may_explain(rule, sign, s, failed)]
-    if any(not rule.residual for rule, _ in left):
-        left = [(rule, sign) for rule, sign in left if not rule.residual] + [
-            (rule, sign) for rule, sign in left if rule.residual
-        ]
     left.sort(key=lambda one: (one[0].residual, _rank(one, s)))
     names = dict.fromkeys(rule.name for rule, _ in left)
     return [_join_signs([one for one in left if one[0].name == name], s) for name in names]

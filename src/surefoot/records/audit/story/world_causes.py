@@ -8,6 +8,7 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.numerics.phases import runs_of
+from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import frames_on
 from surefoot.records.audit.rows import sliding_mean, sliding_sum
 from surefoot.records.audit.story.sign import Sign
@@ -26,7 +27,7 @@ def model_changes(s: Signals, kind: str) -> Iterator[tuple[float, str, float]]:
 
 def push(s: Signals) -> Iterator[Sign]:
     """Yield outside forces of the log, and other bodies that hit the robot for a moment."""
-    speed = np.sqrt(9.81 * max(s.height, 0.05))
+    speed = np.sqrt(GRAVITY * max(s.height, 0.05))
     for start, end, force, where in [*_outside(s), *_hits(s)]:
         change = float(np.linalg.norm(force[start:end].sum(axis=0))) * s.dt / s.mass
         if change > s.limits.push * speed:
@@ -85,7 +86,7 @@ def payload(s: Signals) -> Iterator[Sign]:
         for start, end in spans(down > 0.0, s.rows(s.limits.lies)):
             mean = float(down[start:end].mean())
             if (end - start) * s.dt >= s.limits.lies and mean > s.limits.payload * s.weight:
-                yield Sign(float(s.time[start]), link, f"{mean / 9.81:.2g} kg lies on {link}", 1.0)
+                yield Sign(float(s.time[start]), link, f"{mean / GRAVITY:.2g} kg lies on {link}", 1.0)
 
 
 def slope(s: Signals) -> Iterator[Sign]:

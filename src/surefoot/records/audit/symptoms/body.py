@@ -8,7 +8,6 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import GRAVITY
-from surefoot.records.audit.balance import left_over
 from surefoot.records.audit.continuity import levers, state_slips
 from surefoot.records.audit.episode import Episode
 from surefoot.records.audit.symptoms.symptom import Evidence, symptom
@@ -57,7 +56,7 @@ def infeasible(e: Episode) -> Evidence | None:
 def outside_force(e: Episode) -> Evidence | None:
     """Tell whether something pushes the body that the log does not know."""
     if e.has("balance"):
-        rest = np.nanmedian(left_over(e.rows)[e.rows.core], axis=0).round(6)
+        rest = np.nanmedian(e.rows.left_over[e.rows.core], axis=0).round(6)
         modelled = "".join(f"; in the model {line}" for line in e.rows.log.facts.get("outside", ()))
         turns = f" and {_triple(rest[3:])} N m" if rest[3:].any() else ""
         text = f"{_triple(rest[:3])} N{turns} on the body that no contact gives{modelled}"
