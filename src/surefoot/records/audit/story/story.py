@@ -46,7 +46,8 @@ def story_of(log: Log, setting: Setting, symptoms: tuple[Finding, ...], task_fai
     rules = [rule for rule in RULES if failed is not None or not rule.residual]
     found = [(rule, sign) for rule in rules for sign in rule.find(s)]
     causes = tuple(_cause(rule, sign) for rule, sign in _order(found, s, failed))
-    events = {_event(_cause(rule, sign)) for rule, sign in found} | set(happened)
+    # in the order of the table where times are equal: a set's order is another one in each process
+    events = dict.fromkeys([*(_event(_cause(rule, sign)) for rule, sign in found), *happened])
     return Story(tuple(sorted(events, key=lambda e: e.time)), causes, failed)
 
 
