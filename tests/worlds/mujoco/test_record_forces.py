@@ -10,7 +10,6 @@ import pytest
 
 import surefoot as sf
 from surefoot.base.spatial import rotation_from_quaternion
-from surefoot.records.audit.balance import left_over
 from surefoot.records.audit.log_context import setting_of
 from surefoot.records.audit.report import AuditReport
 from surefoot.records.audit.rows import Rows
@@ -86,7 +85,7 @@ def names(report: AuditReport) -> list[str]:
 def rest(log: sf.Log) -> np.ndarray:
     """Return what the momentum leaves over, in m g and m g m."""
     setting = setting_of(log, None)
-    return left_over(Rows(log, setting, 0, len(log))) / setting.weight
+    return Rows(log, setting, 0, len(log)).left_over / setting.weight
 
 
 @pytest.mark.parametrize("option", ["", pytest.param("integrator='RK4'", marks=pytest.mark.long)])
