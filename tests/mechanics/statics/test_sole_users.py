@@ -27,6 +27,7 @@ def answers(sole, w, place, facets=64):
         "halfspaces": stance.halfspaces(facets).violation(w) <= 0.0,
         "wrench_cone": bool(sf.wrench_cone(stance, facets=facets).contains(world, 1e-9)),
     }
+    said["audit"] = holds_in_audit(sole, w)
     rows = stance.two_sided(facets, axes="world")
     at_foot = np.concatenate([R @ w[:3], R @ w[3:]])
     value = rows.A @ at_foot
@@ -39,6 +40,13 @@ def answers(sole, w, place, facets=64):
             np.abs(sole._count_moments(given - w)).max() <= 1e-4 * np.abs(sole._count_moments(w)).max()
         )
     return said
+
+
+def holds_in_audit(sole, w):
+    """Return whether the audit of a log calls a wrench of the foot lawful, friction and edges alike."""
+    wrenches = np.tile(w, (4, 1, 1))
+    log = sf.log_from_arrays({"foot_wrenches": wrenches}, dt=0.01, soles=[sole], facts={"mass": 1e-3})
+    return not {v.law for v in sf.audit_log(log).violations} & {"sole", "friction", "pull"}
 
 
 LEVEL = (np.eye(3), np.zeros(3))

@@ -108,7 +108,7 @@ def test_the_template_is_a_mapping_and_says_what_is_missing(tmp_path: Path, prin
     printed(*words, "--template", mapping)
     text = mapping.read_text()
     assert "#   battery" in text
-    assert "#   mu: friction of the ground [1]: friction, work, dissipation; or --mu" in text
+    assert "#   mu: friction of the ground [1]: friction, sole, work, dissipation; or --mu" in text
     printed(*words, "--template", mapping, code=2)
     for more in ((), ("--mapping", mapping)):
         printed(*words, *more, "--mu", "0.5", code=3)

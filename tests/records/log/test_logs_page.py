@@ -20,12 +20,14 @@ def test_the_page_runs(
     monkeypatch.chdir(tmp_path)
     told: list[str] = []
     run_page("logs.md", after=lambda: told.append(capsys.readouterr().out))
-    assert len(told) == 6
+    assert len(told) == 7
     assert "['shell'] ['floor', 'floor', 'floor', 'floor'] 5.0" in told[0]
     assert told[1] == "forces: contact axes are taken to be the world's, as on level ground\n"
-    assert "[0.    0.002 0.004] [-1.65806279 -1.65806279" in told[2]
-    assert "foot_sensors:" in told[3]
-    assert told[4].startswith('(200, 4) ["contact_positions, gaps, normals: from')
+    beyond = "beyond the sole: right, 0.400 to 0.450 s: presses 20 mm beyond its toe edge"
+    assert told[2].splitlines() == [beyond]
+    assert "[0.    0.002 0.004] [-1.65806279 -1.65806279" in told[3]
+    assert "foot_sensors:" in told[4]
+    assert told[5].startswith('(200, 4) ["contact_positions, gaps, normals: from')
 
 
 def test_the_page_names_every_unit_and_alias_rightly() -> None:

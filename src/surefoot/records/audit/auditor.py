@@ -70,7 +70,7 @@ def audit_log(log: Log | Path | str, robot: Robot | None = None, limits: AuditLi
         log = read_log(log)
     setting = setting_of(log, robot, limits)
     coverage = _coverage(log, setting)
-    used = [check for check in CHECKS if not coverage.get(check.name, "")]
+    used = [check for check in CHECKS if check.applies(log) and not coverage.get(check.name, "")]
     used = [check for check in used if check.law or not (lacking(log, check.needs) or not setting.names)]
     join = max(1, round(limits.records.join / setting.dt)) if setting.dt > 0.0 else 1
     tracks = {name: Track(name, join) for name in (*_FAULTS, *(check.name for check in used))}
@@ -117,7 +117,7 @@ def assert_lawful(log: Log | Path | str, robot: Robot | None = None, symptoms: b
 def _coverage(log: Log, setting: Setting) -> dict[str, str]:
     """Return why each law cannot be judged; "" where it can."""
     out = {}
-    for check in (c for c in CHECKS if c.law):
+    for check in (c for c in CHECKS if c.law and c.applies(log)):
         missing = lacking(log, check.needs)
         why = f"the log has no {', '.join(missing)}" if missing else ""
         if not setting.names:  # what never touches anything is judged by its momentum

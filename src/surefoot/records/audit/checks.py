@@ -21,6 +21,7 @@ from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.places import gap_place, jump, no_feet, no_ground
 from surefoot.records.audit.restitution import rebound, sparse
 from surefoot.records.audit.rows import Measured, Rows, on_body, over, sliding_mean, sliding_sum
+from surefoot.records.audit.soles import has_soles, soles
 from surefoot.records.audit.within_row import way_to_touch
 from surefoot.records.log import Log
 
@@ -43,6 +44,8 @@ class Check:
         From rows to what was measured.
     doubt
         Why a log that has the channels cannot be judged all the same; empty where it can.
+    applies
+        Whether a log has what the check is about; one that has not is not asked for it.
     """
 
     name: str
@@ -52,6 +55,7 @@ class Check:
     needs: tuple[str, ...]
     measure: Callable[[Rows], Measured]
     doubt: Callable[[Log, Setting], str] = lambda log, setting: ""
+    applies: Callable[[Log], bool] = lambda log: True
 
 
 def _penetration(rows: Rows) -> Measured:
@@ -245,6 +249,10 @@ CHECKS = (
     Check("pull", "the ground pushes, it never pulls", "N", True, FORCES, _pull),
     Check("friction", "no more friction than the ground has", "mu", True, ("forces", "mu"), _friction),
     Check("distance", "no force across a gap", "m", True, GAPS, _distance),
+    Check(
+        "sole", "a sole's wrench is the sum of its corners' forces", "N", True,
+        ("forces", "contact_moments", "mu"), soles, applies=has_soles,
+    ),
     Check(
         "work", "friction never drives", "J", True, ("forces", "contact_velocities", "mu"), _driving
     ),

@@ -72,6 +72,8 @@ FACTS: dict[str, Fact] = {
     "joints": Fact("names of the joints", ("joints",), text=True),
     "contact_foot": Fact("index of the foot of every contact point", ("p",)),
     "contact_centres": Fact("contact points in their feet's frames [m]", ("p", 3)),
+    "sole_corners": Fact("of flat feet whose moments are in the log, in contact frames [m]", ("corners", 2)),
+    "sole_contact": Fact("contact point that each of them belongs to", ("corners",)),
     "effort_limits": Fact("largest joint torques [N m]", ("joints",)),
     "speed_limits": Fact("largest joint speeds, of motors those without load [rad/s]", ("joints",)),
     "actuators": Fact("what gives the torques; a log without it has ideal ones", text=True),

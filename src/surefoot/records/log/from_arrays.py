@@ -9,6 +9,7 @@ import numpy as np
 
 from surefoot.base.arrays import of_kind, positive_number
 from surefoot.base.errors import ProblemError, check_name
+from surefoot.contact import Sole
 from surefoot.records.log.channels import CHANNELS
 from surefoot.records.log.from_source import log_from_source
 from surefoot.records.log.log import Log
@@ -32,6 +33,8 @@ ALIASES: dict[str, tuple[str, str]] = {
     "t": ("time", ""),
 }
 """Names of Isaac Lab, MuJoCo, MJX and Brax: the channel, and the axes where they are not the channel's."""
+WRENCHES = "foot_wrenches"
+"""Array that is two channels: forces and contact moments."""
 
 
 def log_from_arrays(
@@ -42,6 +45,7 @@ def log_from_arrays(
     frames: Mapping[str, str] | None = None,
     feet: Sequence[str] = (),
     joints: Sequence[str] = (),
+    soles: Sequence[Sole] = (),
     facts: Mapping[str, Any] | None = None,
 ) -> Log:
     r"""Return the log of arrays over time, its doubts in `Log.doubts`.
@@ -52,6 +56,8 @@ def log_from_arrays(
         Name to (T, ...) numbers of NumPy, JAX or Torch: channels such as ``forces`` (T, feet, 3) [N], or the
         names of `ALIASES` (Isaac Lab's ``net_forces_w``, MuJoCo's and MJX's ``qpos``). MuJoCo's qfrc_actuator
         has a row of the base's six numbers first, which are dropped where qpos has a floating base.
+        ``foot_wrenches`` (T, feet, 6) [N, N m], force and moment about each foot's own point as its sensor
+        gives them, are ``forces`` and ``contact_moments``.
     dt
         Time between rows [s], where no ``time`` is given.
     quaternion
@@ -60,6 +66,9 @@ def log_from_arrays(
         Channel to "world", "base" or "contact", where a vector is not in its channel's axes.
     feet, joints
         Names, in the arrays' order.
+    soles
+        An `sf.Sole` a foot, its corners in the axes of that foot's wrench: the audit then judges the whole
+        wrench. Friction is the array ``mu`` or ``contact_friction``; the soles' own where there is neither.
     facts
         ``mass`` and other facts.
 
@@ -79,10 +88,14 @@ def log_from_arrays(
     normal forces are 1.63 m g on average: unit, mass, or feet that are missing?
     """
     of_kind("arrays", arrays, Mapping)
-    fields, frame_of = _channels(arrays)
     for name, table in (("frames", frames), ("facts", facts)):
         of_kind(name, {} if table is None else table, Mapping)
-    frame_of |= {**(frames or {})}
+    frames = {**(frames or {})}
+    if WRENCHES in arrays:
+        arrays, frames = _split_wrenches(arrays, frames)
+    fields, frame_of = _channels(arrays)
+    frame_of |= frames
+    facts = {**(facts or {}), **_sole_facts(soles, fields)}
     rows = {name: len(array) for name, array in fields.items() if array.ndim}
     if len(set(rows.values())) != 1 or len(rows) != len(fields):
         raise ProblemError(f"arrays must have the same number of rows, got {rows}")
@@ -105,7 +118,7 @@ def log_from_arrays(
     for name in frame_of:
         check_name("array", name, fields)
     feet, joints = name_list("arrays", "feet", feet), name_list("arrays", "joints", joints)
-    mapping = LogMapping(takes, feet, joints, dict(facts or {}))
+    mapping = LogMapping(takes, feet, joints, facts)
     points = "forces" in fields and fields["forces"].ndim == 3 and fields["forces"].shape[1]
     if feet and points and points != len(feet) and "contact_foot" not in mapping.facts:
         raise ProblemError(f"forces has {points} contact points, feet names {len(feet)}")
@@ -118,7 +131,7 @@ def _channels(arrays: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]
     frame_of: dict[str, str] = {}
     for name, given in arrays.items():
         channel, frame = ALIASES.get(name, (name, ""))
-        check_name("array", name, [*CHANNELS, *ALIASES])
+        check_name("array", name, [*CHANNELS, *ALIASES, WRENCHES])
         if channel in fields:
             raise ProblemError(f"two arrays are the channel {channel}: {', '.join(arrays)}")
         array = _numpy(name, given)
@@ -133,6 +146,45 @@ def _channels(arrays: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]
         if frame:
             frame_of[channel] = frame
     return fields, frame_of
+
+
+def _split_wrenches(
+    arrays: Mapping[str, Any], frames: Mapping[str, str]
+) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return arrays and frames with the feet's wrenches as forces and contact moments."""
+    wrenches = _numpy(WRENCHES, arrays[WRENCHES])
+    if wrenches.ndim != 3 or wrenches.shape[2] != 6:
+        raise ProblemError(f"array {WRENCHES} must have shape (T, feet, 6), got {wrenches.shape}")
+    parts = {"forces": wrenches[..., :3], "contact_moments": wrenches[..., 3:]}
+    twice = [name for name in arrays if ALIASES.get(name, (name,))[0] in parts]
+    if twice:
+        raise ProblemError(f"{WRENCHES} and {twice[0]} say the same: give one of them")
+    others = {name: array for name, array in arrays.items() if name != WRENCHES}
+    axes = {name: axis for name, axis in frames.items() if name != WRENCHES}
+    if WRENCHES in frames:
+        axes |= dict.fromkeys(parts, frames[WRENCHES])
+    return {**others, **parts}, axes
+
+
+def _sole_facts(soles: Sequence[Sole], fields: dict[str, Any]) -> dict[str, Any]:
+    """Return the facts of soles, and add their friction to the fields where these have none."""
+    if not len(soles):
+        return {}
+    forces = fields.get("forces")
+    count = forces.shape[1] if forces is not None and forces.ndim == 3 else 0
+    if not all(isinstance(sole, Sole) for sole in soles) or len(soles) != count:
+        raise ProblemError(f"soles must be one sf.Sole for each of {count} feet, got {soles!r:.80}")
+    if "contact_moments" not in fields:
+        raise ProblemError(f"soles are judged by their wrenches: give the array {WRENCHES}")
+    pads = [sole for sole in soles if sole.torsional_radius]
+    if pads:
+        raise ProblemError(f"logs keep soles without a torsional radius, got {pads[0]!r}")
+    if not {"mu", "contact_friction"} & set(fields):
+        fields["contact_friction"] = np.tile([sole.mu for sole in soles], (len(fields["forces"]), 1))
+    return {
+        "sole_corners": np.concatenate([sole.corners for sole in soles]).tolist(),
+        "sole_contact": [k for k, sole in enumerate(soles) for _ in sole.corners],
+    }
 
 
 def _has_quaternion(name: str, fields: Mapping[str, Any]) -> bool:

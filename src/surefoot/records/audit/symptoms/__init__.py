@@ -10,7 +10,8 @@ __all__ = ["SYMPTOMS", "Evidence", "Symptom"]
 SYMPTOMS: tuple[Symptom, ...] = (
     body.no_forces, body.infeasible, body.held_rows, body.teleport, body.other_velocities, body.velocity_jump,
     measured.wrong_frame, measured.mirrored, measured.reversed_force, measured.dead_torque,
-    contact.pull, contact.coarse_facets, contact.too_much_friction, contact.friction_in_the_air,
+    contact.pull, contact.coarse_facets, contact.too_much_friction,
+    contact.beyond_the_sole, contact.friction_in_the_air,
     contact.invisible_geometry, measured.phantom_force, contact.sinking,
     contact.starts_in_the_ground, contact.deep_contact, contact.push_off_penetration,
     contact.energy_gain, contact.other_contact_velocity, contact.other_gap,

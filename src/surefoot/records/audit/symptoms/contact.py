@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.records.audit.episode import Episode
+from surefoot.records.audit.soles import worst_sole
 from surefoot.records.audit.symptoms.fits import fitted_pyramid
 from surefoot.records.audit.symptoms.symptom import Evidence, symptom
 
@@ -58,6 +59,20 @@ def too_much_friction(e: Episode) -> Evidence | None:
         ranks.too_much_friction if e.sideways else ranks.too_much_doubtful,
         f"needs mu of {worst:.3g} where the ground has {float(e.mu[over].min()):.3g}",
     )
+
+
+@symptom(
+    "beyond the sole",
+    "sole",
+    cause="the moment is about another point, or in other axes, than the corners (an ankle's sensor)",
+    confirm="at rest the foot presses at (-m_y, m_x) / f_z: draw that point against the corners",
+    cure="move the moment to the corners' origin, m - r x f; give the sole that the foot has",
+)
+def beyond_the_sole(e: Episode) -> Evidence | None:
+    """Tell which limit of a flat foot its wrench leaves."""
+    worst, says = worst_sole(e.rows, e.column)
+    # a force that looks lawful alone: no other symptom explains it
+    return Evidence(e.limits.ranks.too_much_friction, says) if worst > 0.0 else None
 
 
 @symptom(
