@@ -8,8 +8,9 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from surefoot.app.cli.run_output import busy_line, load_lines
+from surefoot.app.cli.run_output import busy_line, law_table, load_lines
 from surefoot.records.audit import WalkSummary
+from surefoot.records.audit.laws import LawFigures
 from surefoot.records.log import Log
 
 
@@ -34,3 +35,23 @@ def test_times_of_a_busy_machine_are_told(cpu: float, lines: int) -> None:
     log = Log({"time": np.zeros(3)}, {"wall_time": 2.0, "cpu_time": cpu})
     assert len(busy_line(log)) == lines
     assert busy_line(Log({"time": np.zeros(3)})) == []
+
+
+@pytest.mark.parametrize(("sinking", "stopping"), [(0.0, 0.0), (0.0004, 0.0077), (0.00104, 0.00777)])
+def test_the_table_prints_the_limits_that_the_verdict_uses(sinking: float, stopping: float) -> None:
+    """A hundredth less than each printed limit is lawful, a hundredth more is named with that limit."""
+
+    def lines(share: float) -> list[str]:
+        depth, way = share * max(1e-3, sinking), share * (1e-3 + stopping)
+        return figures(depth, way).broken(100.0)
+
+    def figures(depth: float, way: float) -> LawFigures:
+        return LawFigures(
+            depth, 0.0, 0.0, 0.0, 0.0, 0.0, free_slide_max=way, sinking=sinking, stopping=stopping
+        )
+
+    assert lines(0.99) == []
+    told = [line.partition("(limit ")[2].rstrip(")") for line in lines(1.01)]
+    table = law_table(SimpleNamespace(laws=figures(0.0, 0.0)))
+    printed = {str(row[0]).partition(": ")[2]: str(row[2]).removesuffix(" mm") for row in table.rows}
+    assert [printed["deepest penetration"], printed["slide without friction"]] == told

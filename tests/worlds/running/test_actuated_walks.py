@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import surefoot as sf
 from surefoot.app.cli.run_output import walk_headline
 from surefoot.motion.walking.walking_controller import WalkSettings
 from surefoot.records.audit.dynamics import unexplained
@@ -58,4 +59,8 @@ def test_limits_that_are_not_kept_are_told() -> None:
     assert any(line.startswith("touched: ") for line in summary.limits_broken)
     assert "limits not kept: " in walk_headline(summary)
     assert "link_touches" in log.facts
+    report = sf.audit_log(log)
+    assert list(report.limits_broken) == summary.limits_broken
+    for said in (report.sentence, str(report)):
+        assert summary.limits_broken[0] in said
     assert replace(summary, limits_broken=[], laws_broken=[], success=True).good

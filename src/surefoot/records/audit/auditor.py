@@ -23,6 +23,7 @@ from surefoot.records.audit.report import AuditReport, FrictionInterval, Judgeme
 from surefoot.records.audit.rows import Rows, lacking, pieces
 from surefoot.records.audit.slides import WORST, slide_on, slide_rules, start_slides
 from surefoot.records.audit.story.story import story_of
+from surefoot.records.audit.summary.motor_summary import limits_broken, motor_use
 from surefoot.records.log import Log
 from surefoot.records.log.reading import read_log
 
@@ -209,6 +210,7 @@ def _report(
         (*setting.doubts, *setting.notes, *_changes(intervals)), len(log), float(time[0]), float(time[-1]),
         setting.names, setting.weight, reason, task, task_reason, tuple(judge_command(log, setting)),
         setting.limits, story_of(log, setting, symptoms, task_reason), log,
+        tuple(limits_broken(log, motor_use(log, setting.limits)) or ()),
     )  # fmt: skip
 
 

@@ -170,6 +170,9 @@ class AuditReport:
         What happened and why; `str(story)` is a paragraph.
     log
         What was audited, for pictures.
+    limits_broken
+        A line for each limit of the robot's own that was not kept: speeds of its motors, what its links
+        touched, as `surefoot.summarise_walk` has them. No law of contact is broken by it.
     """
 
     verdict: Judgement
@@ -191,10 +194,12 @@ class AuditReport:
     limits: AuditLimits = LIMITS
     story: Story = field(default_factory=Story)
     log: Log | None = field(default=None, repr=False, compare=False)
+    limits_broken: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         physics = self._physics
-        return f"{self.story} {physics[0].upper()}{physics[1:]}."
+        limits = f" Limits not kept: {', '.join(self.limits_broken)}." if self.limits_broken else ""
+        return f"{self.story} {physics[0].upper()}{physics[1:]}.{limits}"
 
     @property
     def causes(self) -> tuple[Cause, ...]:
@@ -222,7 +227,8 @@ class AuditReport:
         task = {"attained": "; the task was attained", "failed": f"; the task failed: {self.task_reason}"}
         asked = f"; the command: {self.command[0]}" if self.command else ""
         why = "" if self.first_cause is None else f"; first cause: {self.first_cause}"
-        return self._physics + task.get(self.task, "") + asked + why
+        limits = f"; limits not kept: {', '.join(self.limits_broken)}" if self.limits_broken else ""
+        return self._physics + limits + task.get(self.task, "") + asked + why
 
     @property
     def passed(self) -> bool:

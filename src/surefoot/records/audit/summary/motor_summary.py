@@ -42,28 +42,33 @@ class MotorUse:
 
 def motor_use(log: Log, limits: AuditLimits = LIMITS) -> MotorUse | None:
     """Return what a log says about the use of the motors; None for one that tells no limit of speeds."""
-    if "speed_limits" not in log.facts or "v" not in log:
+    asked = "torques" in log or "torques_commanded" in log
+    if not {"speed_limits", "effort_limits", "joints"} <= set(log.facts) or "v" not in log or not asked:
         return None
     fastest, effort = log.fact("speed_limits"), log.fact("effort_limits")
     joints = len(fastest)
     if not joints or not np.isfinite(fastest).any():
         return None
-    speed = np.asarray(log["v"])[:, -joints:]
-    use = np.abs(speed) / fastest
-    asked = np.asarray(log["torques_commanded"] if "torques_commanded" in log else log["torques"])
-    beyond = _beyond(log, asked, speed, effort)
+    most, over, cut, beyond_most = np.zeros(joints), 0, 0, 0.0
+    for piece in log.chunks():
+        speed = np.asarray(piece["v"])[:, -joints:]
+        use = np.abs(speed) / np.maximum(fastest, 1e-12)
+        with np.errstate(divide="ignore", invalid="ignore"):  # a limit of zero, numbers that are none
+            beyond = np.nan_to_num(_beyond(log, piece, speed, effort), nan=0.0)
+        most = np.fmax(most, use.max(axis=0, initial=0.0))
+        over += int((use > limits.motors.over_speed).any(axis=1).sum())
+        cut += int((beyond > limits.motors.cut).any(axis=1).sum())
+        beyond_most = max(beyond_most, float(beyond.max(initial=0.0)))
+    rows = max(len(log), 1)
     return MotorUse(
-        str(log.facts.get("actuators", IDEAL)),
-        float(use.max()),
-        log.fact("joints")[int(use.max(axis=0).argmax())],
-        float(np.mean((use > limits.motors.over_speed).any(axis=1))),
-        float(np.mean((beyond > limits.motors.cut).any(axis=1))),
-        float(beyond.max()),
-    )
+        str(log.facts.get("actuators", IDEAL)), float(most.max()), log.fact("joints")[int(most.argmax())],
+        over / rows, cut / rows, beyond_most,
+    )  # fmt: skip
 
 
-def _beyond(log: Log, torques: FloatArray, speed: FloatArray, effort: FloatArray) -> FloatArray:
-    """Return by how much torques (T, joints) along the motion exceed the motors' curve, over the effort."""
+def _beyond(log: Log, piece: Log, speed: FloatArray, effort: FloatArray) -> FloatArray:
+    """Return by how much torques along the motion exceed the motors' curve, over the effort: (T, joints)."""
+    torques = np.asarray(piece["torques_commanded"] if "torques_commanded" in piece else piece["torques"])
     knee, driving = (float(log.facts.get(name, 1.0)) for name in ("motor_knee", "motor_driving"))
     share = np.abs(speed) / log.fact("speed_limits")
     falling = np.clip((1.0 - share) / max(1.0 - knee, 1e-12), 0.0, 1.0)
