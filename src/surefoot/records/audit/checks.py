@@ -14,7 +14,14 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.records.audit.balance import balance
 from surefoot.records.audit.cones import friction_needed, grip
-from surefoot.records.audit.consistency import acceleration, centre_of_mass, momentum, pressing, uneven
+from surefoot.records.audit.consistency import (
+    acceleration,
+    centre_of_mass,
+    momentum,
+    pressing,
+    sliding_max,
+    uneven,
+)  # fmt: skip
 from surefoot.records.audit.continuity import contact_velocity, gap_rate, no_kinematics, no_plane, state
 from surefoot.records.audit.flights import flights, what_drives
 from surefoot.records.audit.log_context import Setting
@@ -22,7 +29,7 @@ from surefoot.records.audit.places import gap_place, jump, no_feet, no_ground
 from surefoot.records.audit.restitution import rebound, sparse
 from surefoot.records.audit.rows import Measured, Rows, on_body, over, sliding_mean, sliding_sum
 from surefoot.records.audit.soles import has_soles, soles
-from surefoot.records.audit.within_row import way_to_touch
+from surefoot.records.audit.within_row import limb_turns, turn_speed, way_to_touch
 from surefoot.records.log import Log
 
 
@@ -168,7 +175,22 @@ def _motion(rows: Rows) -> Measured:
         value[:, -1] = np.fmax(force, moment * (limits.force / limits.arm))
         rings = np.sqrt(sliding_mean((rest.force**2).sum(axis=1), rows.window(limits.ringing_time)))
         value[:, -1] = np.fmax(value[:, -1], rings * (limits.force / limits.ringing))
-    return over(np.nan_to_num(value), limits.force * weight)
+    limit = np.full(rows.count, limits.force * weight)
+    if rows.setting.after is None:
+        limit += sliding_max(_turned_forces(rows), w)
+    return over(np.nan_to_num(value), limit[:, None])
+
+
+def _turned_forces(rows: Rows) -> FloatArray:
+    """Return what is open of forces that come and go within a row of means, on links that turn: (T,) [N]."""
+    robot = rows.setting.robot
+    if robot is None:
+        return np.zeros(rows.count)
+    out = (np.linalg.norm(rows.forces, axis=2) * limb_turns(rows, robot)).sum(axis=1)
+    if "other_forces" in rows.log:  # joints that run into their stops
+        stops = np.abs(rows.numbers("other_forces")[:, robot.base_dof :]).sum(axis=1)
+        out += stops / rows.setting.limits.continuity.lever * turn_speed(rows) * rows.dt
+    return np.asarray(out)
 
 
 def _chatter(rows: Rows) -> Measured:

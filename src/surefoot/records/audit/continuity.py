@@ -73,11 +73,17 @@ def contact_velocity(rows: Rows) -> Measured:
         # a row may have the velocity before its force, after it, or a mean of both
         change = after - own
         size = np.maximum((change**2).sum(axis=-1), 1e-24)
-        share = np.clip((off * change).sum(axis=-1) / size, 0.0, 1.0)
+        # of a touch within a row of means nobody knows how much of it the change takes
+        least, most = (-1.0, 2.0) if rows.setting.after is None else (0.0, 1.0)
+        share = np.clip((off * change).sum(axis=-1) / size, least, most)
         off = off - share[..., None] * change
         value = np.nan_to_num(np.linalg.norm(sliding_mean(off, w), axis=-1))
         size = np.nan_to_num(np.linalg.norm(own, axis=-1))
         limit = limits.velocity + limits.velocity_share * _highest(size, w)
+        if rows.setting.after is None:  # a mean over the part of its row that touches
+            touching = sliding_sum(edges(rows).astype(np.float64), w + 2) > 0.0
+            open_speed = _highest(np.nan_to_num(np.linalg.norm(change, axis=-1)), w)
+            limit = np.where(touching, np.inf, limit + open_speed)
     return over(value, limit)
 
 

@@ -36,10 +36,11 @@ class UnexplainedForces:
     force, moment
         (T, 3) on the whole robot, world axes, the moment about the base [N, N m].
     feet
-        (T, n, 3) force on each foot that its leg's joint torques miss, world axes [N]; NaN without torques.
+        (T, n, 3) force on each foot that its leg's joint torques miss, world axes [N]; NaN without torques,
+        and for links that are no ends of limbs: few joints with short levers say little of a force there.
     velocities
         (T, 2, p, 3) of the feet's material at the contact points, by the robot's joints before and after the
-        step to the next row, in the configuration before it, world axes [m/s].
+        step to the next row, in the configuration before it (of means: in either), world axes [m/s].
     """
 
     force: FloatArray
@@ -56,6 +57,7 @@ def unexplained(
     payload: float = 0.0,
     payload_position: FloatArray | None = None,
     sticking: float = LIMITS.records.sticking,
+    means: bool = False,
 ) -> UnexplainedForces:
     """Return what T rows with their successors, T + 1 in all, leave unexplained in the first T.
 
@@ -74,6 +76,9 @@ def unexplained(
         Point mass on the base [kg], and where: (3,) base axes [m]; None for its origin.
     sticking
         A joint slower than this may stick: its dry friction is then any up to its size [rad/s].
+    means
+        Whether the forces are means over their rows, at means of configurations: what the way from a row's
+        configuration to the next makes of each component is then open.
     """
     rows = len(log) - 1
     q, v = np.asarray(log["q"]), np.asarray(log["v"])
@@ -91,7 +96,14 @@ def unexplained(
     on_points = np.einsum("tpc,tcj->tpj", wrench, jacobian)
     support = robot.support.astype(np.float64)
     rest = torque - np.einsum("tpj,pj->tj", on_points, support)
-    twists = np.einsum("tcj,tsj,pj->tspc", jacobian, np.stack([v[:-1], v[1:]], axis=1), support)
+    ends, open_torque = jacobian, np.zeros_like(rest)
+    if means:
+        (end,), ends = _newton_euler(model, q[1:], acceleration, v[1:])
+        end[:, : robot.base_dof] *= mass_scale
+        end -= np.einsum("tpj,pj->tj", np.einsum("tpc,tcj->tpj", wrench, ends), support)
+        open_torque = end - rest
+    pairs = ((jacobian, v[:-1]), (ends, v[1:]))
+    twists = np.stack([np.einsum("tcj,tj,pj->tpc", J, speed, support) for J, speed in pairs], axis=1)
     velocities = twists[..., :3] + np.cross(twists[..., 3:], place[:, None])
     base = robot.base_dof
     R = rotation_from_quaternion(q[:-1, 3:7])
@@ -111,6 +123,9 @@ def unexplained(
         known = np.asarray(robot.model.armature)[base:]  # is in M already
         speeds, change = v[:, base:], acceleration[:, base:]
         rest[:, base:] += _joint_losses(log, speeds, change, rest[:, base:], known, sticking)
+    beyond = np.abs(open_torque)  # stages of a row are not on the straight way between its ends
+    rest += np.clip(-rest, np.minimum(open_torque, 0.0) - beyond, np.maximum(open_torque, 0.0) + beyond)
+    if "torques" in log:
         feet = _at_feet(robot, rest, jacobian, place)
     force_left, moment_left = (np.einsum("tij,tj->ti", R, part) for part in (rest[:, :3], rest[:, 3:6]))
     return UnexplainedForces(force_left, moment_left, feet, velocities)
@@ -189,12 +204,12 @@ def _newton_euler(
 
 
 def _at_feet(robot: LoggedRobot, rest: FloatArray, jacobian: FloatArray, place: FloatArray) -> FloatArray:
-    """Return the joints' rest of every leg as a force at its foot: (T, n, 3), world axes; NaN at the base."""
+    """Return the joints' rest of every leg as a force at its foot: (T, n, 3), world axes; NaN at other links."""
     base = robot.base_dof
     out = np.full((len(rest), int(robot.owner.max(initial=-1)) + 1, 3), np.nan)
     for foot in range(out.shape[1]):
         leg = np.flatnonzero(robot.leg(foot)[base:]) + base
-        if not leg.size:
+        if not leg.size or not robot.is_foot[robot.owner == foot].all():
             continue
         at = place[:, robot.owner == foot].mean(axis=1)
         J = jacobian[:, :3, leg] + np.cross(jacobian[:, 3:, leg], at[:, :, None], axis=1)

@@ -41,6 +41,8 @@ def ground_plane(log: Log, share: float, near: float, threshold: float) -> Float
         return None
     same = (np.abs(normals - normal) < LEVEL).all(axis=2) & mine
     height = np.where(same, places @ normal - gaps, np.nan)
+    half = in_the_middle(log, gaps)
+    height[half] += 0.5 * gaps[half]
     if not np.isfinite(height).any():
         return None
     level = float(np.nanmedian(height))
@@ -51,6 +53,12 @@ def ground_plane(log: Log, share: float, near: float, threshold: float) -> Float
         if (loaded & ~shows).any() or _another_level(height, gaps, ~shows & mine):
             return None
     return np.append(normal, level) if float(shows.sum()) >= share * float(mine.sum()) else None
+
+
+def in_the_middle(log: Log, gaps: FloatArray) -> BoolArray:
+    """Return where points of (T, p) gaps are logged in their middle: a recording's, within the margin."""
+    margin = np.asarray(log.facts.get("contact_margin", np.zeros(gaps.shape[1])))
+    return np.asarray((gaps <= margin) & (gaps != 0.0) & (log.facts.get("kind") == "recording"))
 
 
 def on_ground(log: Log, points: int) -> BoolArray:

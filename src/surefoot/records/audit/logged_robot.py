@@ -30,6 +30,8 @@ class LoggedRobot:
         (p,) index of the foot of each contact point.
     support
         (p, nv) which velocity components move each contact point.
+    is_foot
+        (p,) whether each is on a foot, and on no other link that touched.
     """
 
     name: str
@@ -37,6 +39,7 @@ class LoggedRobot:
     joint_names: tuple[str, ...]
     owner: IntArray
     support: BoolArray
+    is_foot: BoolArray
 
     @property
     def base_dof(self) -> int:
@@ -77,7 +80,8 @@ def from_robot(robot: Robot, log: Log, owner: IntArray) -> LoggedRobot | str:
             rows.append(row)
         support = np.array(rows, dtype=bool).reshape(len(rows), int(robot.model.nv))
     support = np.asarray(support, dtype=bool)
-    return LoggedRobot(robot.name, robot.model, tuple(robot.joint_names), owner, support)
+    names = tuple(robot.joint_names)
+    return LoggedRobot(robot.name, robot.model, names, owner, support, _feet_of(log, len(support)))
 
 
 def _support_of(robot: Robot, foot: str, link: str) -> BoolArray | None:
@@ -127,7 +131,13 @@ def from_recording(log: Log, owner: IntArray) -> LoggedRobot | str:
     links = [places.get(str(name), 0) for name in log.fact("contact_body")]
     support = np.array([_moves(model, joint_of[link]) for link in links], dtype=bool)
     names = tuple(map(str, log.facts.get("joints", ())))
-    return LoggedRobot(str(log.facts.get("robot", "")), model, names, owner, support.reshape(-1, model.nv))
+    name, feet = str(log.facts.get("robot", "")), _feet_of(log, len(links))
+    return LoggedRobot(name, model, names, owner, support.reshape(-1, model.nv), feet)
+
+
+def _feet_of(log: Log, points: int) -> BoolArray:
+    """Return which contact points (p,) are on feet: all where the log says nothing of other links."""
+    return np.asarray(log.facts.get("contact_is_foot", np.ones(points))).astype(bool)
 
 
 def build_model(log: Log, kinds: list[str]) -> tuple[Any, list[int]]:

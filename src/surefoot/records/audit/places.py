@@ -11,10 +11,10 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.base.arrays import BoolArray
-from surefoot.records.audit.ground import LEVEL, MEASURED, on_ground
+from surefoot.records.audit.ground import LEVEL, MEASURED, in_the_middle, on_ground
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.rows import Measured, Rows, over
-from surefoot.records.audit.within_row import fall
+from surefoot.records.audit.within_row import fall, way_to_touch
 from surefoot.records.log import Log
 
 ROLLS = 3.5
@@ -27,13 +27,15 @@ def gap_place(rows: Rows) -> Measured:
     value = np.zeros(rows.normal.shape)
     if height is not None:
         along = rows.numbers("contact_positions") @ height[:3] - height[3]
-        # a point in the middle of what overlaps is half of its depth above where one on the foot is
-        middle = np.where(rows.gaps < 0.0, 0.5, 1.0) * rows.gaps
+        # a point in the middle of what overlaps, or of a gap across which a margin pushes, is half of it off
+        half = (rows.gaps < 0.0) | in_the_middle(rows.log, rows.gaps)
+        middle = np.where(half, 0.5, 1.0) * rows.gaps
         value = np.minimum(np.abs(along - rows.gaps), np.abs(along - middle))
         plane = (np.abs(rows.numbers("normals") - height[:3]) < LEVEL).all(axis=2)
         plane &= on_ground(rows.log, rows.points)
         value = np.where(plane & ~too_far(rows), value, 0.0)
-    return over(value, rows.setting.limits.consistency.place + softness)
+    open_way = way_to_touch(rows) if rows.setting.after is None else 0.0  # means of places, gaps of instants
+    return over(value, rows.setting.limits.consistency.place + softness + open_way)
 
 
 def jump(rows: Rows) -> Measured:

@@ -209,7 +209,8 @@ class Rows:
             world = self.world_forces
             load = self.setting.payload
             mass = self.setting.weight / (GRAVITY * (robot.mass + load))
-            out = unexplained(robot, clean, world, mass, load, self.setting.payload_position, limits.sticking)
+            place, means = self.setting.payload_position, self.setting.after is None
+            out = unexplained(robot, clean, world, mass, load, place, limits.sticking, means)
         steps, dt = np.diff(time), self.setting.dt
         wrong = ~(steps > limits.known_step_low * dt) | ~(steps < limits.known_step_high * dt)
         wrong |= self.not_finite[:-1].any(axis=1) | self.not_finite[1:, -1]

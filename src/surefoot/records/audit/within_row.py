@@ -12,6 +12,7 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.spatial import GRAVITY
+from surefoot.records.audit.logged_robot import LoggedRobot
 from surefoot.records.audit.rows import Rows
 from surefoot.records.log import Log
 
@@ -71,6 +72,17 @@ def moved_moment(rows: Rows) -> FloatArray:
 def turn_speed(rows: Rows) -> FloatArray:
     """Return the speed at which the fastest part turns, as far as the log tells: (T,) [rad/s]."""
     return np.asarray(np.abs(turns_of(rows)).max(axis=1, initial=0.0))
+
+
+def limb_turns(rows: Rows, robot: LoggedRobot) -> FloatArray:
+    """Return how far the link of each contact may turn within each row: (T, p) [rad].
+
+    By the base's and its joints' speeds added up, those of slides [m/s] on a lever of one metre.
+    """
+    speed = np.abs(rows.numbers("v"))
+    base = np.linalg.norm(speed[:, 3:6], axis=1)
+    limb = speed[:, robot.base_dof :] @ robot.support[:, robot.base_dof :].T.astype(np.float64)
+    return np.asarray((base[:, None] + limb) * rows.dt[:, None])
 
 
 def turns_of(rows: Rows) -> FloatArray:

@@ -145,6 +145,7 @@ def body_name(model: Any, body: int) -> str:
 def foot_geoms(model: Any, data: Any, tree: BodyTree) -> set[int]:
     """Return the geoms that are feet: the lowest of the limbs' ends that reach down, in the pose of the data.
 
+    So are geoms of the same shape at the ends of limbs of as many joints: a robot may be tilted or fold a leg.
     Bodies that are welded to each other are one; of a robot of one body all its geoms are feet.
     """
     own, weld = set(tree.bodies.tolist()), np.asarray(model.body_weldid)
@@ -160,12 +161,23 @@ def foot_geoms(model: Any, data: Any, tree: BodyTree) -> set[int]:
     if len(depth) < 2:
         return {geom for geoms in depth.values() for geom in geoms}
     lowest = max(max(geoms.values()) for geoms in depth.values())
-    return {
+    low = {
         geom
         for geoms in depth.values()
         for geom, at in geoms.items()
         if at >= max(LOWEST * lowest, max(geoms.values()) - BESIDE * abs(lowest))
     }
+    kinds = {_limb_end(model, geom, tree.root) for geom in low}
+    return {geom for geoms in depth.values() for geom in geoms if _limb_end(model, geom, tree.root) in kinds}
+
+
+def _limb_end(model: Any, geom: int, root: int) -> tuple[float, ...]:
+    """Return what a geom at the end of a limb shares with its likes: joints to the root, shape and sizes."""
+    body, joints = int(model.geom_bodyid[geom]), 0
+    while body not in (root, 0):
+        joints += int(model.body_jntnum[body])
+        body = int(model.body_parentid[body])
+    return (joints, int(model.geom_type[geom]), *np.round(model.geom_size[geom], 6).tolist())
 
 
 def _lowest(model: Any, data: Any, geom: int, down: FloatArray) -> float:
