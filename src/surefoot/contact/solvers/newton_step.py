@@ -38,8 +38,8 @@ bounds.
 Far away it keeps steps short where a wrong guess of who slides leaves no solution; close by it is harmless.
 Attempts take turns with the shares: what holds one back lets the next one through.
 """
-SHARES_MANY, FEW = (0.1, 1e-6, 1.0), 25
-"""The shares above `FEW` contacts: who slides is open for longer there."""
+FEW = 25
+"""Contacts up to which who slides is found out by two sweeps."""
 
 
 @inline_kernel
@@ -319,7 +319,7 @@ def run_dense(
             relax = max(0.6 * relax, 0.1)
         last = relative
         # another proximal term each round: what one misses, the next may find
-        share = PROXIMAL_SHARES[attempt % 3] if mu.size <= FEW else SHARES_MANY[attempt % 3]
+        share = PROXIMAL_SHARES[attempt % 3]
         used, relative = newton_dense(
             G, g, mu, low, high, convex, tol, min(20, most - done), share, local, forces, velocities
         )  # fmt: skip
