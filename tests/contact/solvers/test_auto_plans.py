@@ -16,7 +16,7 @@ from surefoot.contact.laws import LAWS
 from surefoot.contact.solvers import auto, on_blocks
 from surefoot.contact.solvers import strategies as plans
 
-TABLES = (plans.CONES, plans.CONES_LARGE, plans.PYRAMIDS)
+TABLES = (plans.CONES, plans.CONES_MORE, plans.CONES_LARGE, plans.PYRAMIDS)
 PLANS = [*(plan for table in TABLES for plan in table.values()), plans.GENERAL]
 
 
@@ -31,6 +31,25 @@ def test_every_law_has_its_plans_and_each_parts_and_looks_for_a_proof() -> None:
     assert all(set(table) == set(LAWS) for table in TABLES)
     for plan in PLANS:
         assert {plans.PARTS, plans.PROOF} <= {stage.name for stage in plan}
+
+
+@pytest.mark.parametrize("boxes", [7, 11, 12, 20])
+def test_the_compiled_call_knows_no_cliff(boxes: int) -> None:
+    """Of 44 and 48 contacts, where it ended once, and of many more it solves a stack at once."""
+    pytest.importorskip("mujoco")
+    from benchmarks.problems.stacked_scenes import Scene, stack, steps
+
+    problem = list(steps(Scene(stack(boxes)), 2))[-1].problem
+    found = sf.solve(sf.ContactProblem(problem.G, problem.g, problem.mu))
+    assert found.solved
+    assert found.iterations < 40
+    answer = sf.ContactSolver(4 * boxes, problem.mu).solve(problem.G, problem.g)
+    assert answer.iterations == found.iterations
+
+
+def test_walls_are_left_to_the_interior_point_after_a_round() -> None:
+    names = [stage.name for stage in plans.CONES_MORE["coulomb"]]
+    assert names[:2] == [plans.FEW_BODIES, plans.LATER]
 
 
 LAWFUL = np.array([0.3, 0.0, -1.0])

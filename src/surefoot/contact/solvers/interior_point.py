@@ -32,6 +32,8 @@ from surefoot.base.kernels import working_time
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.contact.solvers import cone_pairs as pairs
+from surefoot.contact.solvers.compiled import COMPILED_CONTACTS
+from surefoot.contact.solvers.newton_step import FEW
 from surefoot.contact.solvers.solver import Answer, SolverSettings, nearest_to_zero, register
 from surefoot.contact.solvers.stopping import fill_measure, velocity_error
 
@@ -59,9 +61,10 @@ KNOWN, HELD = 1e-2, 0.3
 held shift is solved."""
 WORSE = 3
 """Iterations that leave more of a held program's error than its best, after which rounding has taken over."""
-MOST_RANK, MOST_ROWS, REDUNDANT = 300, 900, 0.75
+MOST_RANK, MOST_ROWS, REDUNDANT, FEW_BODIES = 300, 900, 0.75, 0.4
 """Rank of G, rows where the rank is not known, and the rank's share of the rows, up to which
-`where_redundant` tries: each iteration has a dense factor, and problems of full rank defeat the method."""
+`where_redundant` tries: each iteration has a dense factor, and problems of full rank defeat the method.
+Up to the last share, of walls, it comes before further Newton steps, which they defeat."""
 HELPED, IDLE_SHIFTS, DEPTH = 0.5, 2, 4
 """Share of the error that a new shift has to leave at most, how many in turn may leave more, and the shifts
 from which the next one is found."""
@@ -88,7 +91,22 @@ def solve_interior(
 def where_redundant(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
+    """Solve a problem whose contacts are redundant, a warm start (n, 3) as `solve_interior`; else None."""
+    few = problem.contacts <= FEW or problem.contacts > COMPILED_CONTACTS
+    return _where(problem, settings, warm_start, -1.0 if few else FEW_BODIES, REDUNDANT)
+
+
+def where_few_bodies(
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
+) -> Answer | None:
     """Solve a problem whose contacts hold few bodies, a warm start (n, 3) as `solve_interior`; else None."""
+    return _where(problem, settings, warm_start, -1.0, FEW_BODIES)
+
+
+def _where(
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None, low: float, high: float
+) -> Answer | None:
+    """Solve where the rank's share of the rows is above low, up to high; else None."""
     if problem.general or problem.facets is not None or (problem.normal_max < np.inf).any():
         return None
     known = None if problem.factor is None else problem.factor.shape[1]
@@ -98,7 +116,8 @@ def where_redundant(
     if known is None and problem.g.size > MOST_ROWS:
         return None
     factor = _factor(problem, np.repeat(active, 3))
-    if factor.shape[1] > min(MOST_RANK, REDUNDANT * factor.shape[0]):
+    rows, rank = factor.shape
+    if rank > MOST_RANK or not low * rows < rank <= high * rows:
         return None
     return _solve(problem, settings, warm_start, active, factor)
 

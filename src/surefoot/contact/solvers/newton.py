@@ -1,6 +1,6 @@
 """Semismooth Newton as a solver of its own, on the equations that suit the contacts.
 
-Exact cones of three rows take the steps of Alart and Curnier (`newton_step`): up to 45 contacts in the
+Exact cones of three rows take the steps of Alart and Curnier (`newton_step`): up to 128 contacts in the
 compiled call of `auto`, with one sweep before the first step and twice as many before each further attempt;
 above, steps by sparse factorisation with one sweep before each attempt. Contacts of any other kind, and
 other laws, take steps on the natural map λ - P_K(λ - (u + θ Γ(u)) / w) = 0: full ones, with a small proximal

@@ -278,20 +278,20 @@ def _root_power(base: float, halves: int) -> float:
 @inline_kernel
 def run_dense(
     G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool,
-    local: FloatArray, tol: float, rounds: int, burst: int, most: int, forces: FloatArray,
+    local: FloatArray, tol: float, first: int, last_round: int, burst: int, most: int, forces: FloatArray,
     velocities: FloatArray,
 ) -> tuple[int, float]:  # fmt: skip
     """Alternate Gauss-Seidel sweeps with Newton steps, at most so many; return their number and the error.
 
     G is (3n, 3n); mu and the bounds are (n,), g, forces and velocities (3n,); `local` (n, WIDTH) is what
-    `nsgs.fill_dense` filled.
+    `nsgs.fill_dense` filled. The rounds are those from `first` on, up to but without `last_round`.
     """
     refresh_dense(G, g, forces, velocities)
     done = 0
     relative = last = np.inf
     relax = 1.0
     patience = 2 * WORTH + mu.size
-    for attempt in range(rounds):
+    for attempt in range(first, last_round):
         count, before = 0, np.inf
         while done < most:
             sweep_dense(G, local, mu, low, high, convex, relax, forces, velocities)

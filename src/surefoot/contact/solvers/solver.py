@@ -187,7 +187,7 @@ def solve(
         Wanted velocity error, rounding and energy gap, see `Residuals`: all are relative to the problem's
         own.
     max_iterations, max_time
-        Bounds, see `SolverSettings`; up to 45 contacts on exact cones the time is kept by estimate.
+        Bounds, see `SolverSettings`; up to 128 contacts on exact cones the time is kept by estimate.
     warm_start
         (n, 3) forces to start from, or `problem.shape`; see `problem.warm_start` for contacts that
         came and went.
