@@ -1,7 +1,7 @@
 """One contact problem and its gradient as compiled functions, for loops over many and for a caller's own.
 
 `solve_contacts` and `contact_vjp` may be called from any function under `numba.njit`; they hold no state,
-allocate their own scratch, and release nothing. On exact cones, with dense factors: for up to some hundreds of
+allocate their own scratch, and release nothing. On exact cones, with dense factors: for up to hundreds of
 contacts.
 
 The derivative is that of `derivative.solution_derivative`, at the forces as they are solved (not
