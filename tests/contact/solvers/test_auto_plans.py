@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import sys
 import time
 from typing import Any
 
@@ -170,3 +172,27 @@ def test_the_clock_stands_still_while_kernels_are_compiled(monkeypatch: pytest.M
     monkeypatch.setattr(on_blocks, "alternate", compiles_first)
     found = sf.solve(problem, max_time=1.0, max_iterations=5)
     assert found.status is not sf.Status.MAX_TIME
+
+
+def bricks(contacts: int) -> sf.ContactProblem:
+    """Few bodies on many contacts: interior point, Newton and ADMM all come to it."""
+    rng = np.random.default_rng(contacts)
+    J = rng.normal(size=(3 * contacts, contacts))
+    return sf.ContactProblem(J @ J.T, J @ rng.normal(size=contacts), 0.5)
+
+
+@pytest.mark.parametrize("problem", [bricks(12), bricks(60), bricks(140), squeezed(30), squeezed(140)])
+@pytest.mark.parametrize("most", [20, 400, 2000])
+def test_iterations_alone_decide(
+    problem: sf.ContactProblem, most: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A loaded machine is one whose clock runs away: hours pass between any two looks at it."""
+    before = sf.solve(problem.replace(), tol=1e-12, max_iterations=most)
+    hours = itertools.count(step=3600.0)
+    for name, module in list(sys.modules.items()):
+        if name.startswith("surefoot.contact") and hasattr(module, "working_time"):
+            monkeypatch.setattr(module, "working_time", lambda: next(hours))
+    after = sf.solve(problem.replace(), tol=1e-12, max_iterations=most)
+    assert after.status is before.status
+    assert after.iterations == before.iterations
+    np.testing.assert_array_equal(after.forces, before.forces)

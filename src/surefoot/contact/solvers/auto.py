@@ -9,7 +9,7 @@ itself: one that has no solution must not keep the others from theirs. A single 
 of its plan, among them the search for a proof that there is no solution, made nowhere else for `auto`.
 The forces returned are the best that any stage found; the status is theirs.
 `max_time` is checked between methods and iterations; the one compiled call of a small problem looks at no
-clock and is given as many iterations as should fit.
+clock and is given as many iterations as should fit. Without `max_time` no clock decides anything.
 """
 
 from __future__ import annotations
@@ -70,13 +70,17 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     looks: list[InfeasibilityProof | None] = []
 
     def infeasible(error: float) -> bool:
-        """Look for a proof, for as long as the solve has taken: forces that run away look like progress."""
+        """Look for a proof: forces that run away look like progress.
+
+        Where time is bounded, for as long as the solve has taken; else no clock may decide what is found.
+        """
         weight, speed = problem.scales[:2]
         # w_k ||λ_k|| is the speed that a contact's own force gives it: far beyond
         # any speed of the problem, it runs away
         size = weight * np.linalg.norm(forces.reshape(-1, 3), axis=1)
         if error > POSSIBLE and (size > RUNAWAY * speed).any():
-            looks.append(find_proof(problem, max(working_time() - start, EARLY_TIME)))
+            taken = max(working_time() - start, EARLY_TIME)
+            looks.append(find_proof(problem, taken if settings.max_time < math.inf else math.inf))
         return looks[-1:] not in ([], [None])
 
     def interior(forces: FloatArray, most: int) -> int:

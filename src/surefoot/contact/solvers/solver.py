@@ -35,9 +35,11 @@ class SolverSettings:
     tol
         Wanted velocity error, see `surefoot.contact.problem.residuals`.
     max_iterations
-        Bound on the iterations; None for the solver's own default.
+        Bound on the iterations; None for the solver's own default. It alone bounds a solve the same way on
+        every machine, however busy.
     max_time
-        Bound on the wall time [s], checked between iterations.
+        Bound on the wall time [s], checked between iterations: what is reached within it is another thing
+        on a faster or a busier machine.
     """
 
     tol: float = 1e-8
