@@ -194,6 +194,8 @@ class _Run:
                 return False
             held.append(shift)
             found.append(self._shift())
+            if not np.isfinite(found[-1]).all():  # forces that run away
+                return False
             shift = _next_shift(held[-DEPTH:], found[-DEPTH:], self.speed)
         return False
 
