@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from surefoot.contact.solvers.central_step import central_step, fill_residual
+from surefoot.contact.solvers.central_step import Iterate, Scaling, central_step, fill_residual
 from surefoot.contact.solvers.cone_pairs import centrality, scale_pairs, weigh_rows
 
 NOTHING = np.empty(0)
@@ -35,16 +35,17 @@ def test_a_step_leaves_its_share_of_the_residual(share: float, r: int) -> None:
         lift = NOTHING if share else shift
         return float(fill_residual(y, np.ones((n, 3)), u, lift, speed, out))
 
-    axes, scaled, weights = np.empty((n, 4)), np.empty((n, 3)), np.empty((n, 3, 3))
-    gap = scale_pairs(x, border_x, y, border_y, share, axes, scaled, weights)
+    point = Iterate(x, border_x, y, border_y)
+    scaling = Scaling(np.empty((n, 4)), np.empty((n, 3)), np.empty((n, 3, 3)))
+    gap = scale_pairs(*point, share, *scaling)
     weighed, residual, rest = np.empty_like(rows), np.empty((n, 3)), np.empty((n, 3))
     assert left(x, y, residual) == np.abs(residual).max()
-    weigh_rows(weights, rows, weighed)
+    weigh_rows(scaling.weights, rows, weighed)
     lu, pivots, _ = scipy.linalg.lapack.dgetrf(np.eye(r) + rows.T @ weighed)
-    after = np.empty_like(x), np.empty(n), np.empty_like(y), np.empty(n)
+    after = Iterate(np.empty_like(x), np.empty(n), np.empty_like(y), np.empty(n))
     length = central_step(
-        np.ascontiguousarray(lu.T), pivots, rows, np.ascontiguousarray(rows.T), x, border_x, y, border_y,
-        residual, axes, scaled, weights, gap, share, 0.3, *after,
+        np.ascontiguousarray(lu.T), pivots, rows, np.ascontiguousarray(rows.T), point, residual, scaling,
+        gap, share, 0.3, after,
     )  # fmt: skip
     assert 0.0 < length <= 1.0
     assert (after[1] > 0.0).all()

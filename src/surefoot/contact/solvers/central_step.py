@@ -9,6 +9,8 @@ Source: S. Mehrotra, "On the implementation of a primal-dual interior point meth
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
@@ -103,15 +105,29 @@ def _longest(
     return min(longest_step(x, border_x, dx), longest_step(y, border_y, dy))
 
 
+class Iterate(NamedTuple):
+    """Forces and velocities (n, 3) in the cone L, with their distances (n,) to its border."""
+
+    x: FloatArray
+    border_x: FloatArray
+    y: FloatArray
+    border_y: FloatArray
+
+
+class Scaling(NamedTuple):
+    """What `scale_pairs` fills: axes (n, 4), l (n, 3) and P S⁻¹ (n, 3, 3)."""
+
+    axes: FloatArray
+    scaled: FloatArray
+    weights: FloatArray
+
+
 @kernel
 def central_step(
-    factors: FloatArray, pivots: IntArray, rows: FloatArray, across: FloatArray,
-    x: FloatArray, border_x: FloatArray, y: FloatArray, border_y: FloatArray,
-    residual: FloatArray, axes: FloatArray, scaled: FloatArray, weights: FloatArray,
-    gap: float, share: float, least: float,
-    after_x: FloatArray, after_border_x: FloatArray, after_y: FloatArray, after_border_y: FloatArray,
+    factors: FloatArray, pivots: IntArray, rows: FloatArray, across: FloatArray, point: Iterate,
+    residual: FloatArray, scaling: Scaling, gap: float, share: float, least: float, after: Iterate,
 ) -> float:  # fmt: skip
-    """Fill the points after a step; return its length, zero where there is none.
+    """Fill the point after a step; return its length, zero where there is none.
 
     Parameters
     ----------
@@ -119,17 +135,19 @@ def central_step(
         Of I + Yᵀ P S⁻¹ Y, as LAPACK's `dgetrf` leaves them, transposed.
     rows, across
         Y (3n, r), scaled, and transposed.
-    x, border_x, y, border_y
-        Points (n, 3) and their distances (n,) to the border.
+    point, after
+        Where the step begins, and memory for where it ends.
     residual
         y less what x asks for, (n, 3).
-    axes, scaled, weights, gap
+    scaling, gap
         Of `scale_pairs`.
     share
         Of the shift's derivative in S: 1, or 0 where it is held.
     least
         Least centring.
     """
+    x, border_x, y, border_y = point
+    axes, scaled, weights = scaling
     n = len(x)
     space = np.zeros((4, n, 3))
     aim, moved, dx, dy = space[0], space[1], space[2], space[3]
@@ -148,9 +166,9 @@ def central_step(
     _direction(factors, pivots, rows, across, weights, axes, y, share, aim, residual, moved, dx, dy)
     length = min(1.0, TO_BORDER * _longest(x, border_x, y, border_y, dx, dy))
     while length > SHORTEST:
-        inside = move_points(x, border_x, dx, length, after_x, after_border_x)
-        inside = move_points(y, border_y, dy, length, after_y, after_border_y) and inside
-        if inside and centrality(after_x, after_border_x, after_y, after_border_y) >= OFF_CENTRE:
+        inside = move_points(x, border_x, dx, length, after.x, after.border_x)
+        inside = move_points(y, border_y, dy, length, after.y, after.border_y) and inside
+        if inside and centrality(after.x, after.border_x, after.y, after.border_y) >= OFF_CENTRE:
             return length
         length *= SHORTER
     return 0.0

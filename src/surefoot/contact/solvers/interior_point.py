@@ -22,7 +22,6 @@ border, so a warm start is only what it is compared with.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
@@ -32,7 +31,7 @@ from surefoot.base.kernels import working_time
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.contact.solvers import cone_pairs as pairs
-from surefoot.contact.solvers.central_step import central_step, fill_residual
+from surefoot.contact.solvers.central_step import Iterate, Scaling, central_step, fill_residual
 from surefoot.contact.solvers.compiled import COMPILED_CONTACTS
 from surefoot.contact.solvers.newton_step import FEW
 from surefoot.contact.solvers.solver import Answer, SolverSettings, nearest_to_zero, register
@@ -64,15 +63,6 @@ OWN_SHIFT = np.empty(0)
 HELPED, IDLE_SHIFTS, DEPTH = 0.5, 2, 4
 """Share of the error that a new shift has to leave at most, how many in turn may leave more, and the shifts
 from which the next one is found."""
-
-
-class Iterate(NamedTuple):
-    """Forces and velocities (n, 3) in the cone L, with their distances (n,) to its border."""
-
-    x: FloatArray
-    border_x: FloatArray
-    y: FloatArray
-    border_y: FloatArray
 
 
 @register("interior_point", bounds=False)
@@ -285,17 +275,17 @@ class _Memory:
     def __init__(self, rows: FloatArray) -> None:
         n, r = len(rows) // 3, rows.shape[1]
         self.rows, self.across = rows, np.ascontiguousarray(rows.T)
-        self.axes, self.scaled, self.weights = np.empty((n, 4)), np.empty((n, 3)), np.empty((n, 3, 3))
+        self.scaling = Scaling(np.empty((n, 4)), np.empty((n, 3)), np.empty((n, 3, 3)))
         self.weighed, self.residual = np.empty((3 * n, r)), np.empty((n, 3))
         self.diagonal = np.diag_indices(r)
 
     def scale(self, point: Iterate, share: float) -> float:
         """Fill the scalings of a point; return its gap, the mean of x · y."""
-        return pairs.scale_pairs(*point, share, self.axes, self.scaled, self.weights)
+        return pairs.scale_pairs(*point, share, *self.scaling)
 
     def advance(self, point: Iterate, gap: float, share: float, least: float) -> tuple[float, Iterate | None]:
         """Take a step with the residual that is there; return its length and the point after it, if any."""
-        pairs.weigh_rows(self.weights, self.rows, self.weighed)
+        pairs.weigh_rows(self.scaling.weights, self.rows, self.weighed)
         matrix = self.weighed.T @ self.rows  # transposed, as LAPACK has it
         matrix[self.diagonal] += 1.0
         lu, pivots, failed = scipy.linalg.lapack.dgetrf(matrix.T, overwrite_a=1)
@@ -303,9 +293,8 @@ class _Memory:
             return 0.0, None
         after = Iterate(*(np.empty_like(part) for part in point))
         length = central_step(
-            lu.T, pivots, self.rows, self.across, *point, self.residual, self.axes, self.scaled,
-            self.weights, gap, share, least, *after,
-        )  # fmt: skip
+            lu.T, pivots, self.rows, self.across, point, self.residual, self.scaling, gap, share, least, after
+        )
         return length, after if length > 0.0 else None
 
 
