@@ -15,6 +15,7 @@ from surefoot.app.cli import extras, parsing
 from surefoot.app.cli.console import plain_console
 from surefoot.app.cli.output import check_out, new_run_folder, to_json
 from surefoot.base.arrays import real_number
+from surefoot.base.errors import ProblemError
 
 if TYPE_CHECKING:
     from benchmarks.contact.comparison import Comparison, FamilyRow, Kind
@@ -45,6 +46,9 @@ def contact(
         bool, typer.Option("--sequences", help="Bodies on bodies, step after step, instead; CPU times.")
     ] = False,
     scene: Annotated[list[str] | None, typer.Option(help="Of --sequences; once for each.")] = None,
+    picture: Annotated[
+        bool, typer.Option("--picture", help="Of --sequences: draw accuracy over time, a line a method.")
+    ] = False,
     out: Annotated[Path, typer.Option(help="Write JSON to a new folder here.")] = Path("runs"),
     json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
 ) -> int:
@@ -58,14 +62,16 @@ def contact(
     from benchmarks.problems.contacts import problem_set
 
     check_out(out)
-    extras.require(["pin"] if rivals else [])
+    extras.require((["pin"] if rivals else []) + (["matplotlib"] if picture else []))
+    if picture and not sequences:
+        raise ProblemError("--picture is one of --sequences: accuracy over time, scene by scene")
     parsing.seed(seed)
     if tol is not None:
         real_number("--tol", tol, low=1e-15, high=1.0)
     if sequences:
         from benchmarks.commands.contact_sequences import print_sequences
 
-        return print_sequences(scene, 1e-8 if tol is None else tol, rivals, quick, out, json)
+        return print_sequences(scene, 1e-8 if tol is None else tol, rivals, quick, out, json, picture)
     problems = problem_set(scale, seed, QUICK_COPIES if quick else copies)
     if folder is not None:
         given = problems_in(folder)

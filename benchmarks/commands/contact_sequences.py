@@ -26,11 +26,16 @@ ACCURACIES = (1e-2, 1e-4, 1e-6, 1e-8)
 
 
 def print_sequences(
-    scenes: Sequence[str] | None, tol: float, rivals: bool, quick: bool, out: Path, json: bool
-) -> int:
-    """Time every step of the scenes, print or write the rows; 1 if our solver left a step unsolved."""
+    scenes: Sequence[str] | None, tol: float, rivals: bool, quick: bool, out: Path, json: bool,
+    picture: bool = False,
+) -> int:  # fmt: skip
+    """Time every step of the scenes, print or write the rows; 1 if our solver left a step unsolved.
+
+    A picture shows the accuracy over time of every method on one step of each scene.
+    """
+    from benchmarks.contact.accuracy import AccuracyPath, accuracy_paths, draw_accuracy
     from benchmarks.contact.sequences import SequenceRow, race
-    from benchmarks.problems.stacked_scenes import SCENES
+    from benchmarks.problems.stacked_scenes import SCENES, steps
 
     names = scenes or (QUICK_SCENES if quick else tuple(SCENES))
     for name in names:
@@ -38,14 +43,22 @@ def print_sequences(
             raise ProblemError(unknown_name("scene", name, SCENES))
     count, sampled = (QUICK_STEPS, QUICK_SAMPLED) if quick else (STEPS, SAMPLED)
     console, rows = plain_console(stderr=json), list[SequenceRow]()
+    paths = list[AccuracyPath]()
     target = new_run_folder(out, "contact-sequences")
     try:
         with console.status("stepping") as status:
             for name in names:
                 rows += race(name, SCENES[name], count, sampled if rivals else 0, tol, status.update)
+                if picture:
+                    status.update(f"{name}: accuracy over time")
+                    *_, step = steps(SCENES[name], count // 2)
+                    paths += accuracy_paths(name, step.problem, rivals)
     finally:  # an interrupted run keeps what it has
-        record = to_json({"tol": tol, "rows": [asdict(row) for row in rows]})
+        facts = {"tol": tol, "rows": [asdict(row) for row in rows], "paths": [asdict(one) for one in paths]}
+        record = to_json(facts)
         (target / "contact.json").write_text(record + "\n", encoding="utf-8")
+    if paths:
+        draw_accuracy(paths, target / "accuracy.png")
     if json:
         print(record)
     else:

@@ -30,6 +30,7 @@ from surefoot.contact.solution import Status
 from surefoot.contact.solvers import auto
 from surefoot.contact.solvers import strategies as plans
 from surefoot.contact.solvers.compiled import COMPILED_CONTACTS
+from surefoot.contact.solvers.newton_step import FEW
 from surefoot.contact.solvers.solver import solve
 
 TRY, RUN = auto.try_stage, auto._run
@@ -76,7 +77,9 @@ def plan_of(problem: ContactProblem) -> str:
     law = str(problem.law)
     if problem.facets is not None:
         return f"{law}, pyramids"
-    return f"{law}, many" if problem.contacts > COMPILED_CONTACTS else f"{law}, few"
+    if problem.contacts > COMPILED_CONTACTS:
+        return f"{law}, many"
+    return f"{law}, few" if problem.contacts <= FEW else f"{law}, more"
 
 
 def without(dropped: Stages) -> AbstractContextManager[Any]:

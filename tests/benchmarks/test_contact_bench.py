@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks.contact.accuracy import ASKED, accuracy_paths, draw_accuracy
+from benchmarks.contact.accuracy import OURS as OURS_IN_PICTURE
 from benchmarks.contact.comparison import (
     Comparison,
     Run,
@@ -20,6 +22,7 @@ from benchmarks.problems.contacts import NamedProblem, families, problem_set
 from benchmarks.problems.judge import DECADES, STEPS_PER_DECADE, coarsest, judge
 from surefoot.base.errors import ProblemError
 from surefoot.contact.files.formats import write_problem
+from surefoot.contact.problem import ContactProblem
 
 
 @cache
@@ -113,3 +116,17 @@ def test_command_writes_json_and_pictures(tmp_path: Path, answer: Any) -> None:
     assert {r["problem"] for r in record["runs"]} >= {"cube.dat", "cube-sticking-0"}
     folder = next((tmp_path / "runs").iterdir())
     assert {f.name for f in folder.iterdir()} == {"contact.json"}
+
+
+def test_accuracy_over_time_asks_for_more_and_more(tmp_path: Path) -> None:
+    rng = np.random.default_rng(3)
+    J = rng.normal(size=(12, 6))
+    problem = ContactProblem(J @ J.T, J @ rng.normal(size=6), 0.5)
+    paths = list(accuracy_paths("thrown", problem, with_rivals=False))
+    assert [path.solver for path in paths] == list(OURS_IN_PICTURE)
+    best = paths[0]
+    assert len(best.seconds) == len(best.errors) == len(ASKED)
+    assert (best.errors <= ASKED).all()
+    assert (best.seconds > 0.0).all()
+    pytest.importorskip("matplotlib")
+    assert draw_accuracy(paths, tmp_path / "accuracy.png").stat().st_size > 10_000

@@ -139,6 +139,7 @@ CASES = [
     ("identify tosses.npz --out good.npz/x", "cannot write to --out good.npz/x"),
     ("identify few.npz", "a fit needs 8 tosses or more, got 2"),
     ("bench contact --quick --tol 0", "--tol must be"),
+    ("bench contact --quick --no-rivals --picture", "--picture is one of --sequences"),
     *((f"bench {b} --out good.npz/x", "cannot write to --out good.npz/x") for b in ("contact", "faults")),
     ("bench rigid --height nan", "--height"),
 ]

@@ -67,6 +67,24 @@ def test_redundant_contacts_in_a_batch(contacts: int) -> None:
         np.testing.assert_allclose(back.g[k], d.vjp(weights[0, k], weights[1, k]).g, atol=1e-9)
 
 
+@pytest.mark.parametrize("contacts", [46, 128, 256])
+def test_many_contacts_in_a_batch(contacts: int) -> None:
+    """Answers are those of `ContactSolver`, also where other methods come after the compiled call."""
+    G, g = problems(3, contacts)
+    batch = sf.solve_batch(G, g, 0.6)
+    solver = sf.ContactSolver(contacts, 0.6, warm_start=False)
+    assert batch.solved.all()
+    for k in range(3):
+        own = solver.solve(G[k], g[k])
+        assert sf.residuals(sf.ContactProblem(G[k], g[k], 0.6), batch.forces[k]).worst <= 1e-8
+        np.testing.assert_allclose(batch.forces[k], own.forces, atol=1e-6)
+
+
+def test_a_batch_names_how_many_contacts_it_takes() -> None:
+    with pytest.raises(sf.ProblemError, match="a batch takes up to 256 contacts a problem, got 257"):
+        sf.solve_batch(np.zeros((1, 771, 771)), np.zeros((1, 771)), 0.6)
+
+
 def test_contacts_that_are_off_pad_smaller_problems() -> None:
     G, g = problems(30)
     on = np.random.default_rng(2).random((30, 4)) < 0.6

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import sys
 import time
 from typing import Any
 
@@ -16,7 +18,7 @@ from surefoot.contact.laws import LAWS
 from surefoot.contact.solvers import auto, on_blocks
 from surefoot.contact.solvers import strategies as plans
 
-TABLES = (plans.CONES, plans.CONES_LARGE, plans.PYRAMIDS)
+TABLES = (plans.CONES, plans.CONES_MORE, plans.CONES_LARGE, plans.PYRAMIDS)
 PLANS = [*(plan for table in TABLES for plan in table.values()), plans.GENERAL]
 
 
@@ -31,6 +33,25 @@ def test_every_law_has_its_plans_and_each_parts_and_looks_for_a_proof() -> None:
     assert all(set(table) == set(LAWS) for table in TABLES)
     for plan in PLANS:
         assert {plans.PARTS, plans.PROOF} <= {stage.name for stage in plan}
+
+
+@pytest.mark.parametrize("boxes", [7, 11, 12, 20])
+def test_the_compiled_call_knows_no_cliff(boxes: int) -> None:
+    """Of 44 and 48 contacts, where it ended once, and of many more it solves a stack at once."""
+    pytest.importorskip("mujoco")
+    from benchmarks.problems.stacked_scenes import Scene, stack, steps
+
+    problem = list(steps(Scene(stack(boxes)), 2))[-1].problem
+    found = sf.solve(sf.ContactProblem(problem.G, problem.g, problem.mu))
+    assert found.solved
+    assert found.iterations < 40
+    answer = sf.ContactSolver(4 * boxes, problem.mu).solve(problem.G, problem.g)
+    assert answer.iterations == found.iterations
+
+
+def test_walls_are_left_to_the_interior_point_after_a_round() -> None:
+    names = [stage.name for stage in plans.CONES_MORE["coulomb"]]
+    assert names[:2] == [plans.FEW_BODIES, plans.LATER]
 
 
 LAWFUL = np.array([0.3, 0.0, -1.0])
@@ -151,3 +172,27 @@ def test_the_clock_stands_still_while_kernels_are_compiled(monkeypatch: pytest.M
     monkeypatch.setattr(on_blocks, "alternate", compiles_first)
     found = sf.solve(problem, max_time=1.0, max_iterations=5)
     assert found.status is not sf.Status.MAX_TIME
+
+
+def bricks(contacts: int) -> sf.ContactProblem:
+    """Few bodies on many contacts: interior point, Newton and ADMM all come to it."""
+    rng = np.random.default_rng(contacts)
+    J = rng.normal(size=(3 * contacts, contacts))
+    return sf.ContactProblem(J @ J.T, J @ rng.normal(size=contacts), 0.5)
+
+
+@pytest.mark.parametrize("problem", [bricks(12), bricks(60), bricks(140), squeezed(30), squeezed(140)])
+@pytest.mark.parametrize("most", [20, 400, 2000])
+def test_iterations_alone_decide(
+    problem: sf.ContactProblem, most: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A loaded machine is one whose clock runs away: hours pass between any two looks at it."""
+    before = sf.solve(problem.replace(), tol=1e-12, max_iterations=most)
+    hours = itertools.count(step=3600.0)
+    for name, module in list(sys.modules.items()):
+        if name.startswith("surefoot.contact") and hasattr(module, "working_time"):
+            monkeypatch.setattr(module, "working_time", lambda: next(hours))
+    after = sf.solve(problem.replace(), tol=1e-12, max_iterations=most)
+    assert after.status is before.status
+    assert after.iterations == before.iterations
+    np.testing.assert_array_equal(after.forces, before.forces)

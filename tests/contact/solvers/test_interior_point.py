@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.contact.solvers import auto, strategies
+from surefoot.contact.solvers import auto, interior_point, strategies
 from surefoot.contact.solvers.interior_point import where_redundant
 from surefoot.contact.solvers.solver import SolverSettings
 
@@ -118,3 +118,11 @@ def test_auto_asks_it_before_the_slow_methods() -> None:
     names = [stage.name for stage in strategies.CONES["coulomb"]]
     assert names.index(strategies.INTERIOR) < names.index("newton")
     assert auto.LOOKS[strategies.INTERIOR] is where_redundant
+
+
+def test_shifts_that_run_away_end_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Forces of 1e190 leave a shift that is no number: least squares of such raise an error."""
+    monkeypatch.setattr(interior_point._Run, "_shift", lambda run: np.full(len(run.mu), np.inf))
+    monkeypatch.setattr(interior_point, "IDLE_SHIFTS", 99)
+    found = sf.solve(sheet(40, 4), "interior_point", 1e-14)
+    assert np.isfinite(found.forces).all()

@@ -1,7 +1,8 @@
 """One contact problem and its gradient as compiled functions, for loops over many and for a caller's own.
 
 `solve_contacts` and `contact_vjp` may be called from any function under `numba.njit`; they hold no state,
-allocate their own scratch, and release nothing. Up to 45 contacts on exact cones.
+allocate their own scratch, and release nothing. On exact cones, with dense factors: for up to hundreds of
+contacts.
 
 The derivative is that of `derivative.solution_derivative`, at the forces as they are solved (not
 polished): its error is that of the solution times the condition. At a kink it belongs to the mode that the
@@ -74,8 +75,9 @@ def solve_contacts(
     """
     memory = np.empty(solving_memory(g.size))
     done = solve_within_memory(
-        borrowed(G), borrowed(g), borrowed(laws), convex, asymmetry, tol, most, warm, borrowed(buffer), memory
-    )
+        borrowed(G), borrowed(g), borrowed(laws), convex, asymmetry, tol, most, WARM if warm else 0,
+        borrowed(buffer), memory,
+    )  # fmt: skip
     keep(memory)
     return done
 
@@ -89,9 +91,12 @@ def solving_memory(m: int) -> int:
 @inline_kernel
 def solve_within_memory(
     G: FloatArray, g: FloatArray, laws: FloatArray, convex: bool, asymmetry: float, tol: float, most: int,
-    warm: bool, buffer: FloatArray, memory: FloatArray,
+    mode: int, buffer: FloatArray, memory: FloatArray,
 ) -> int:  # fmt: skip
-    """Do as `solve_contacts`, see there for the shapes, with borrowed arrays in memory that is there."""
+    """Do as `solve_contacts`, see there for the shapes, with borrowed arrays in memory that is there.
+
+    The mode is that of `compiled` but for the law.
+    """
     m = g.size
     matrix, vectors = window(memory, 0, m, m), window(memory, m * m, 2, m)
     refused = read_system(G, g, asymmetry, matrix, vectors)
@@ -100,7 +105,8 @@ def solve_within_memory(
     for a in range(3):
         for k in range(m // 3):
             vectors[1, a * (m // 3) + k] = laws[a, k]
-    mode = (CONVEX_CALL if convex else 0) | (WARM if warm else 0)
+    if convex:
+        mode |= CONVEX_CALL
     bound = most if most >= 0 else UNBOUNDED
     done = solve_within(matrix, vectors, tol, bound, mode, buffer, memory, m * (m + 2))
     # one number says both: iterations, their bits turned where it is not solved (0 has no negative)

@@ -8,6 +8,7 @@ from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.kernels import borrowed, keep, releasing_kernel
 from surefoot.contact.batch.active import FREE, HELD, SLIDE, STICK, read_modes
 from surefoot.contact.batch.kernel import slope_memory, solve_within_memory, solving_memory, vjp_within
+from surefoot.contact.solvers.compiled import FIRST, WARM
 
 
 @releasing_kernel
@@ -17,10 +18,11 @@ def solve_range(
 ) -> None:  # fmt: skip
     """Solve problems start to stop - 1; see `solve_contacts` for buffers (B, 2n + 3, 3) and done (B,)."""
     memory = np.empty(solving_memory(3 * laws.shape[2]))
+    mode = FIRST | WARM if warm else FIRST
     for b in range(start, stop):
         own = borrowed(laws)[b if laws.shape[0] > 1 else 0]
         done[b] = solve_within_memory(
-            borrowed(G)[b], borrowed(g)[b], own, convex, asymmetry, tol, most, warm, borrowed(buffers)[b],
+            borrowed(G)[b], borrowed(g)[b], own, convex, asymmetry, tol, most, mode, borrowed(buffers)[b],
             memory,
         )  # fmt: skip
     keep(memory)

@@ -32,9 +32,11 @@ from surefoot.contact.problem.matrix import ASYMMETRY, SINGLE_ASYMMETRY
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.sets.contact import MOST_FRICTION
 from surefoot.contact.solution import Status, record_of
-from surefoot.contact.solvers.compiled import COMPILED_CONTACTS, NOT_NUMBERS
+from surefoot.contact.solvers.compiled import NOT_NUMBERS
 from surefoot.contact.solvers.solver import solve
 
+MOST_CONTACTS = 256
+"""Contacts of a problem up to which a batch takes it: above, dense factors take a second of a hard one."""
 SMALL = 128
 """Problems up to which one thread does it: waking others takes longer."""
 MOST = 10_000
@@ -87,7 +89,7 @@ def solve_batch(
     threads: int | None = None,
     derivative: bool = False,
 ) -> BatchSolution:
-    """Solve many contact problems with up to 45 contacts each, on exact cones.
+    """Solve many contact problems with up to 256 contacts each, on exact cones.
 
     Every problem is solved and certified as `ContactSolver` does it, independently of the others: the answers
     do not depend on the number of threads.
@@ -126,8 +128,8 @@ def solve_batch(
     matrices, free, single = _read(G, g)
     B, m = free.shape
     n = m // 3
-    if n > COMPILED_CONTACTS:
-        raise ProblemError(f"a batch takes up to {COMPILED_CONTACTS} contacts a problem, got {n}")
+    if n > MOST_CONTACTS:
+        raise ProblemError(f"a batch takes up to {MOST_CONTACTS} contacts a problem, got {n}")
     laws, convex = _read_laws(mu, normal_min, normal_max, B, n), named == "convex"
     buffers, done = np.empty((B, 2 * n + 3, 3)), np.empty(B, dtype=np.int64)
     if warm_start is not None:

@@ -1,14 +1,15 @@
 """The default solver: a table of plans (`plans`), and a runner that keeps to its time.
 
-Exact cones, up to 45 contacts: one compiled call that alternates bursts of Gauss-Seidel sweeps with Newton
-steps (`compiled`). Larger problems: sweeps on 3x3 blocks, then Newton steps by sparse factorisation with
-sweeps between them (`on_blocks`); where contacts are redundant, an interior point after the first of these
-steps (`interior_point`). What these leave unsolved falls into its connected parts first, each solved by
+Exact cones, up to 128 contacts: one compiled call that alternates bursts of Gauss-Seidel sweeps with Newton
+steps (`compiled`); of more than 25 it takes one round first, and further ones after the interior point where
+the contacts hold few bodies. Larger problems: sweeps on 3x3 blocks, then Newton steps by sparse factorisation
+with sweeps between them (`on_blocks`); where contacts are redundant, an interior point after the first of
+these steps (`interior_point`). What these leave unsolved falls into its connected parts, each solved by
 itself: one that has no solution must not keep the others from theirs. A single part goes through the stages
 of its plan, among them the search for a proof that there is no solution, made nowhere else for `auto`.
 The forces returned are the best that any stage found; the status is theirs.
 `max_time` is checked between methods and iterations; the one compiled call of a small problem looks at no
-clock and is given as many iterations as should fit.
+clock and is given as many iterations as should fit. Without `max_time` no clock decides anything.
 """
 
 from __future__ import annotations
@@ -27,9 +28,9 @@ from surefoot.contact.sets import ContactSet
 from surefoot.contact.solution import Status
 from surefoot.contact.solvers import on_blocks
 from surefoot.contact.solvers import strategies as plans
-from surefoot.contact.solvers.compiled import COMPILED_CONTACTS, attempt
+from surefoot.contact.solvers.compiled import COMPILED_CONTACTS, LATER, attempt
 from surefoot.contact.solvers.infeasibility import find_proof
-from surefoot.contact.solvers.interior_point import where_redundant
+from surefoot.contact.solvers.interior_point import where_few_bodies, where_redundant
 from surefoot.contact.solvers.newton_sparse import NO_GUESS
 from surefoot.contact.solvers.newton_step import FEW
 from surefoot.contact.solvers.solver import (
@@ -69,13 +70,17 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     looks: list[InfeasibilityProof | None] = []
 
     def infeasible(error: float) -> bool:
-        """Look for a proof, for as long as the solve has taken: forces that run away look like progress."""
+        """Look for a proof: forces that run away look like progress.
+
+        Where time is bounded, for as long as the solve has taken; else no clock may decide what is found.
+        """
         weight, speed = problem.scales[:2]
         # w_k ||λ_k|| is the speed that a contact's own force gives it: far beyond
         # any speed of the problem, it runs away
         size = weight * np.linalg.norm(forces.reshape(-1, 3), axis=1)
         if error > POSSIBLE and (size > RUNAWAY * speed).any():
-            looks.append(find_proof(problem, max(working_time() - start, EARLY_TIME)))
+            taken = max(working_time() - start, EARLY_TIME)
+            looks.append(find_proof(problem, taken if settings.max_time < math.inf else math.inf))
         return looks[-1:] not in ([], [None])
 
     def interior(forces: FloatArray, most: int) -> int:
@@ -97,14 +102,18 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     return _run(problem, settings, guess, done, plans.CONES_LARGE[problem.law], start)
 
 
+def later_rounds(problem: ContactProblem, settings: SolverSettings, best: FloatArray) -> Answer | None:
+    """Go on from the forces (n, 3) of the compiled call's first round, where it took no more."""
+    found = attempt(problem, settings.tol, settings.max_iterations, settings.max_time, best, LATER)
+    return None if found is None else Answer(found[0][: problem.contacts], found[1])
+
+
 def _small_plan(problem: ContactProblem, forces: FloatArray | None) -> Plan:
     """Return the plan of few contacts, in the order that the compiled call's forces suggest."""
-    plan = plans.CONES[problem.law]
-    if problem.contacts > FEW:  # a dense iteration of ADMM costs more than a sweep on blocks
-        plan = tuple(sorted(plan, key=lambda stage: stage.name not in (PARTS, PROOF, INTERIOR, ON_BLOCKS)))
+    plan = (plans.CONES if problem.contacts <= FEW else plans.CONES_MORE)[problem.law]
     if forces is not None and worst_of(problem, forces) < NEARLY:  # it has a solution, probably
-        plan = tuple(sorted(plan, key=lambda stage: stage.name == PROOF))
-        plan = (*plan[:2], *(stage for stage in plan if stage.name == PROOF), *plan[2:-1])
+        at = [stage.name for stage in plan].index(PROOF)
+        plan = (*plan[:at], plan[at + 1], plan[at], *plan[at + 2 :])
     return plan
 
 
@@ -228,7 +237,13 @@ def part_of(
     return part, rows
 
 
-LOOKS = {PROOF: look_for_proof, PARTS: solve_parts, INTERIOR: where_redundant}
+LOOKS = {
+    PROOF: look_for_proof,
+    PARTS: solve_parts,
+    INTERIOR: where_redundant,
+    plans.FEW_BODIES: where_few_bodies,
+    plans.LATER: later_rounds,
+}
 """Stages that look at the problem with the best forces so far: they may end the plan, or have no answer."""
 FUNCTIONS: dict[str, SolverFunction] = {
     ON_BLOCKS: on_blocks.on_blocks,

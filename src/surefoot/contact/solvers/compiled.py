@@ -1,4 +1,4 @@
-"""Up to 45 contacts on exact cones in one compiled call: sweeps, Newton steps, and the certificate.
+"""Up to 128 contacts on exact cones in one compiled call: sweeps, Newton steps, and the certificate.
 
 Bursts of Gauss-Seidel sweeps, which find out who sticks, slides or takes off, take turns with Newton steps,
 which finish. The problem is taken as it lies in memory (G and all vectors are two arrays), so what a
@@ -33,10 +33,13 @@ from surefoot.contact.solvers.nsgs import fill_dense
 from surefoot.contact.solvers.one_contact import WIDTH
 from surefoot.contact.solvers.stopping import settle
 
-COMPILED_CONTACTS = 45
-"""Contacts up to which a dense compiled call pays."""
-CONVEX_CALL, WARM, SOON = 1, 2, 4
-"""Bits of a call's mode: Γ = 0; the record holds forces to start from; a Newton step after one sweep."""
+COMPILED_CONTACTS = 128
+"""Contacts up to which a dense compiled call pays: of 100 to 120 it takes half the time of sweeps and Newton
+steps on blocks, of 200 more than they do."""
+CONVEX_CALL, WARM, SOON, FIRST, LATER = 1, 2, 4, 8, 16
+"""Bits of a call's mode: Γ = 0; the record holds forces to start from; a Newton step after one sweep; of
+more than `FEW` contacts only the first round, for another method may do better than the next ones, or only
+those that come after it."""
 UNSOLVED = 1 << 50
 """Added to the iterations of a call whose forces the certificate refuses."""
 ROUNDS, BURST, BURST_MANY = 8, 2, 10
@@ -48,8 +51,9 @@ NOT_NUMBERS, DOUBTFUL = -(1 << 40), -(1 << 40) - 1
 semidefinite as far as `read_system` looks."""
 WORK = 10 + WIDTH
 """Numbers of scratch memory per contact."""
-ITERATION = 2e-7
-"""Seconds that an iteration takes per contact, sweeps and Newton steps as they come."""
+ITERATION, HEAVIER = 2e-7, 20
+"""Seconds that an iteration takes per contact, sweeps and Newton steps as they come, and the contacts of
+which it takes twice as long: the factors of a Newton step grow with their cube."""
 _empty, _INFINITY = np.empty, math.inf
 Entry = Callable[[FloatArray, FloatArray, float, int, int, FloatArray], int]
 _entry: Entry | None = None
@@ -89,12 +93,18 @@ def solve_within(
     scales_dense(G, g, low, high, scales)
     for i in range(m):
         forces[i] = record[i // 3, i % 3] if mode & WARM else 0.0
-    burst = BURST if n <= FEW else BURST_MANY
+    burst, first, last = BURST, 0, ROUNDS
+    if n > FEW:
+        burst = BURST_MANY
+        if mode & LATER:
+            burst, first = 2 * BURST_MANY, 1
+        elif mode & FIRST:
+            last = 1
     if mode & SOON:
         burst = 1
     settle(low, scales, forces)
     fill_dense(G, scales, local)
-    done, _ = run_dense(G, g, mu, low, high, convex, local, tol, ROUNDS, burst, most, forces, velocities)
+    done, _ = run_dense(G, g, mu, low, high, convex, local, tol, first, last, burst, most, forces, velocities)
     # Newton may have moved what `settle` had put right: a part at rest has one solution, known beforehand
     settle(low, scales, forces)
     # the judge computes velocities anew from G, g and the forces; nothing
@@ -150,7 +160,7 @@ def packed_form(problem: ContactProblem) -> Packed | None:
 
 def attempt(
     problem: ContactProblem, tol: float, most: int | None, max_time: float, start: FloatArray | None,
-    mode: int = 0,
+    mode: int = FIRST,
 ) -> Attempt | None:  # fmt: skip
     """Solve a problem by the compiled call, None where it is not one for it; see `solve` for the arguments.
 
@@ -162,7 +172,8 @@ def attempt(
     G, vectors, law, shape = packed
     limit = UNBOUNDED if most is None else most
     if max_time < _INFINITY:
-        limit = min(limit, int(min(max_time / (ITERATION * problem.contacts), 1e9)))
+        n = problem.contacts
+        limit = min(limit, int(min(max_time / (ITERATION * n * (1.0 + (n / HEAVIER) ** 2)), 1e9)))
     record = _empty(shape)
     if start is not None:
         record[: problem.contacts] = start

@@ -36,6 +36,7 @@ from surefoot.contact.solvers.compiled import (
     COMPILED_CONTACTS,
     CONVEX_CALL,
     DOUBTFUL,
+    FIRST,
     NOT_NUMBERS,
     UNBOUNDED,
     UNSOLVED,
@@ -95,7 +96,7 @@ def _solve_raw(
         for k in range(m // 3):
             for a in range(3):
                 buffer[k, a] = memory[m + LAST, 3 * k + a]
-    mode = int(memory[m + FLAGS, 0])
+    mode = int(memory[m + FLAGS, 0]) | FIRST
     if start:
         mode |= WARM
     done = solve_within(matrix, vectors, tol, most, mode, borrowed(buffer), memory, (m + LAST + 1) * m)
@@ -152,7 +153,7 @@ class ContactForces(Certified):
 class ContactSolver:
     """Solve contact problems with the same contacts and laws, and a new G and g every call.
 
-    Preallocated; the arguments are those of `ContactProblem` and `solve`. Up to 45 contacts on exact cones a
+    Preallocated; the arguments are those of `ContactProblem` and `solve`. Up to 128 contacts on exact cones a
     call is one compiled one, and what that leaves is handed to the other methods of `auto`. It never raises
     for a hard problem: look at the status. One for each thread run at once, the compiled call releases
     the interpreter's lock; a call while another thread is in one of the same solver is refused.

@@ -12,7 +12,7 @@ its last, each takes about ten iterations. The fixed point of shifts (Acary and 
 two thirds each, which Anderson's mixing shortens to a few.
 
 Source: V. Acary, M. Brémond, O. Huber, "On solving contact problems with Coulomb friction: formulations and
-numerical comparisons", 2018; S. Mehrotra, SIOPT 2, 1992; V. Acary, F. Cadoux, C. Lemaréchal, J. Malick, ZAMM
+numerical comparisons", 2018; V. Acary, F. Cadoux, C. Lemaréchal, J. Malick, ZAMM
 91(2), 2011 (the fixed point).
 
 Limits: dense, so for ranks up to some hundreds; no normal bounds, no bilateral contacts. It cannot begin at a
@@ -22,16 +22,18 @@ border, so a warm start is only what it is compared with.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
 
-from surefoot.base.arrays import BoolArray, FloatArray, IntArray
+from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.kernels import working_time
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.contact.solvers import cone_pairs as pairs
+from surefoot.contact.solvers.central_step import Iterate, Scaling, central_step, fill_residual
+from surefoot.contact.solvers.compiled import COMPILED_CONTACTS
+from surefoot.contact.solvers.newton_step import FEW
 from surefoot.contact.solvers.solver import Answer, SolverSettings, nearest_to_zero, register
 from surefoot.contact.solvers.stopping import fill_measure, velocity_error
 
@@ -47,33 +49,20 @@ SHORT, IDLE = 0.1, 3
 """A step is short below this share of a whole one; so many short ones end a phase."""
 BEFORE = 1e-5
 """Share of the first gap from which a program with a held shift begins."""
-TO_BORDER = 0.99
-"""Share of the way to the border that a step takes."""
-OFF_CENTRE = 1e-2
-"""Least centrality after a step."""
-WORSE = 3
-REFINEMENTS = 1
-"""Corrections of a step by its own residual."""
 KNOWN, HELD = 1e-2, 0.3
 """Velocity error below which the path leads near an answer; share of the tolerance to which a program with a
 held shift is solved."""
 WORSE = 3
 """Iterations that leave more of a held program's error than its best, after which rounding has taken over."""
-MOST_RANK, MOST_ROWS, REDUNDANT = 300, 900, 0.75
+MOST_RANK, MOST_ROWS, REDUNDANT, FEW_BODIES = 300, 900, 0.75, 0.4
 """Rank of G, rows where the rank is not known, and the rank's share of the rows, up to which
-`where_redundant` tries: each iteration has a dense factor, and problems of full rank defeat the method."""
+`where_redundant` tries: each iteration has a dense factor, and problems of full rank defeat the method.
+Up to the last share, of walls, it comes before further Newton steps, which they defeat."""
+OWN_SHIFT = np.empty(0)
+"""In place of a shift: that of the point itself."""
 HELPED, IDLE_SHIFTS, DEPTH = 0.5, 2, 4
 """Share of the error that a new shift has to leave at most, how many in turn may leave more, and the shifts
 from which the next one is found."""
-
-
-class Iterate(NamedTuple):
-    """Forces and velocities (n, 3) in the cone L, with their distances (n,) to its border."""
-
-    x: FloatArray
-    border_x: FloatArray
-    y: FloatArray
-    border_y: FloatArray
 
 
 @register("interior_point", bounds=False)
@@ -88,7 +77,22 @@ def solve_interior(
 def where_redundant(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
+    """Solve a problem whose contacts are redundant, a warm start (n, 3) as `solve_interior`; else None."""
+    few = problem.contacts <= FEW or problem.contacts > COMPILED_CONTACTS
+    return _where(problem, settings, warm_start, -1.0 if few else FEW_BODIES, REDUNDANT)
+
+
+def where_few_bodies(
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
+) -> Answer | None:
     """Solve a problem whose contacts hold few bodies, a warm start (n, 3) as `solve_interior`; else None."""
+    return _where(problem, settings, warm_start, -1.0, FEW_BODIES)
+
+
+def _where(
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None, low: float, high: float
+) -> Answer | None:
+    """Solve where the rank's share of the rows is above low, up to high; else None."""
     if problem.general or problem.facets is not None or (problem.normal_max < np.inf).any():
         return None
     known = None if problem.factor is None else problem.factor.shape[1]
@@ -98,7 +102,8 @@ def where_redundant(
     if known is None and problem.g.size > MOST_ROWS:
         return None
     factor = _factor(problem, np.repeat(active, 3))
-    if factor.shape[1] > min(MOST_RANK, REDUNDANT * factor.shape[0]):
+    rows, rank = factor.shape
+    if rank > MOST_RANK or not low * rows < rank <= high * rows:
         return None
     return _solve(problem, settings, warm_start, active, factor)
 
@@ -143,7 +148,7 @@ class _Run:
         self.scale[:, :2] = np.minimum(self.mu, 1.0)[:, None]
         self.scale[:, 2] = 1.0 / np.maximum(self.mu, 1.0)
         self.factor = factor
-        self.rows = np.ascontiguousarray(self.scale.reshape(-1, 1) * self.factor)
+        self.memory = _Memory(np.ascontiguousarray(self.scale.reshape(-1, 1) * self.factor))
         scales = np.ascontiguousarray(problem.scales[:, active])
         weight = np.where(scales[0] > 0.0, scales[0], scales[1])
         self.speed, self.force = scales[1], scales[1] / weight
@@ -151,7 +156,6 @@ class _Run:
         self.measure = np.empty((n, 2))
         fill_measure(scales, self.measure)
         self.low, self.high = np.zeros(n), np.full(n, np.inf)
-        self.memory = _Memory(n, self.factor.shape[1])
         self.path: list[tuple[float, Iterate]] = []
         self.best, self.error, self.last = forces, math.inf, forces
         self.error = self._error(forces, self._velocities(forces))
@@ -180,6 +184,8 @@ class _Run:
                 return False
             held.append(shift)
             found.append(self._shift())
+            if not np.isfinite(found[-1]).all():  # forces that run away
+                return False
             shift = _next_shift(held[-DEPTH:], found[-DEPTH:], self.speed)
         return False
 
@@ -251,13 +257,10 @@ class _Run:
                 break
             if shift is not None and ((sure and held <= HELD * self.tol) or worse >= WORSE):
                 break
-            lift = shift if shift is not None else np.sqrt(point.y[:, 0] ** 2 + point.y[:, 1] ** 2)
-            residual = point.y - self.scale * u
-            residual[:, 2] -= lift
-            ratio = float(np.max(np.abs(residual) / self.speed[:, None])) / (gap / self.energy)
-            length, after = self.memory.advance(
-                self.rows, point, residual, gap, share, LEAST if ratio > AHEAD else 0.0
-            )
+            lift = OWN_SHIFT if shift is None else shift
+            far = fill_residual(point.y, self.scale, u, lift, self.speed, self.memory.residual)
+            ahead = far > AHEAD * gap / self.energy
+            length, after = self.memory.advance(point, gap, share, LEAST if ahead else 0.0)
             self.done += 1
             short = short + 1 if length < SHORT else 0
             if after is None or short >= IDLE:
@@ -267,87 +270,32 @@ class _Run:
 
 
 class _Memory:
-    """What an iteration works in: scalings, the matrix, and steps, for n contacts and a rank r."""
+    """What an iteration works in: scalings and the matrix, for the scaled rows of Y (3n, r)."""
 
-    def __init__(self, n: int, r: int) -> None:
-        self.axes, self.scaled, self.weights = np.empty((n, 4)), np.empty((n, 3)), np.empty((n, 3, 3))
-        self.weighed, self.aim = np.empty((3 * n, r)), np.empty((n, 3))
-        self.none = np.zeros((n, 3))
+    def __init__(self, rows: FloatArray) -> None:
+        n, r = len(rows) // 3, rows.shape[1]
+        self.rows, self.across = rows, np.ascontiguousarray(rows.T)
+        self.scaling = Scaling(np.empty((n, 4)), np.empty((n, 3)), np.empty((n, 3, 3)))
+        self.weighed, self.residual = np.empty((3 * n, r)), np.empty((n, 3))
         self.diagonal = np.diag_indices(r)
 
     def scale(self, point: Iterate, share: float) -> float:
         """Fill the scalings of a point; return its gap, the mean of x · y."""
-        return pairs.scale_pairs(*point, share, self.axes, self.scaled, self.weights)
+        return pairs.scale_pairs(*point, share, *self.scaling)
 
-    def advance(
-        self, rows: FloatArray, point: Iterate, residual: FloatArray, gap: float, share: float, least: float
-    ) -> tuple[float, Iterate | None]:
-        """Take a step by predictor and corrector; return its length and the point after it, if any."""
-        pairs.weigh_rows(self.weights, rows, self.weighed)
-        matrix = rows.T @ self.weighed
+    def advance(self, point: Iterate, gap: float, share: float, least: float) -> tuple[float, Iterate | None]:
+        """Take a step with the residual that is there; return its length and the point after it, if any."""
+        pairs.weigh_rows(self.scaling.weights, self.rows, self.weighed)
+        matrix = self.weighed.T @ self.rows  # transposed, as LAPACK has it
         matrix[self.diagonal] += 1.0
         lu, pivots, failed = scipy.linalg.lapack.dgetrf(matrix.T, overwrite_a=1)
         if failed != 0:
             return 0.0, None
-        solved = _Solved(lu, pivots, rows, residual)
-        pairs.aim_pairs(self.axes, self.scaled, self.none, self.none, 0.0, 0.0, self.aim)
-        dx, dy = self._direction(solved, point, share)
-        length = min(1.0, _longest(point, dx, dy))
-        if not length >= 0.0:
-            return 0.0, None
-        left = float(np.vdot(point.x + length * dx, point.y + length * dy)) / len(dx)
-        # Mehrotra's rule: centre little where the predictor got far
-        centre = max(min(max(left / gap, 0.0), 1.0) ** 3, least)
-        pairs.aim_pairs(self.axes, self.scaled, dx, dy, centre * gap, length * length, self.aim)
-        dx, dy = self._direction(solved, point, share)
-        length = min(1.0, TO_BORDER * _longest(point, dx, dy))
-        while length > 1e-10:
-            after = _take_step(point, dx, dy, length)
-            if after is not None and pairs.centrality(*after) >= OFF_CENTRE:
-                return length, after
-            length *= 0.8
-        return 0.0, None
-
-    def _direction(self, solved: _Solved, point: Iterate, share: float) -> tuple[FloatArray, FloatArray]:
-        """Return the steps dx, dy with dx + P dy = aim and S dy = Y Yᵀ dx - residual."""
-        pushed = self.aim + np.einsum("kij,kj->ki", self.weights, solved.residual)
-        v = solved.solve(solved.rows.T @ pushed.ravel())
-        dx, dy = np.empty_like(pushed), np.empty_like(pushed)
-        for turn in range(REFINEMENTS + 1):
-            moved = (solved.rows @ v).reshape(-1, 3) - solved.residual
-            pairs.finish_direction(self.axes, point.y, share, self.aim, moved, dx, dy)
-            if turn < REFINEMENTS:
-                v = v + solved.solve(solved.rows.T @ dx.ravel() - v)
-        return dx, dy
-
-
-class _Solved(NamedTuple):
-    """The factors of I + Yᵀ P S⁻¹ Y, transposed, the scaled rows of Y, and the residual of a step."""
-
-    lu: FloatArray
-    pivots: IntArray
-    rows: FloatArray
-    residual: FloatArray
-
-    def solve(self, right: FloatArray) -> FloatArray:
-        """Return the solution for a right-hand side (r,)."""
-        found: FloatArray = scipy.linalg.lapack.dgetrs(self.lu, self.pivots, right, trans=1)[0]
-        return found
-
-
-def _longest(point: Iterate, dx: FloatArray, dy: FloatArray) -> float:
-    """Return the longest step inside both cones."""
-    return min(
-        pairs.longest_step(point.x, point.border_x, dx), pairs.longest_step(point.y, point.border_y, dy)
-    )
-
-
-def _take_step(point: Iterate, dx: FloatArray, dy: FloatArray, length: float) -> Iterate | None:
-    """Return the point after a step; None where it has left a cone."""
-    after = Iterate(*(np.empty_like(part) for part in point))
-    inside = pairs.move_points(point.x, point.border_x, dx, length, after.x, after.border_x)
-    inside &= pairs.move_points(point.y, point.border_y, dy, length, after.y, after.border_y)
-    return after if inside else None
+        after = Iterate(*(np.empty_like(part) for part in point))
+        length = central_step(
+            lu.T, pivots, self.rows, self.across, point, self.residual, self.scaling, gap, share, least, after
+        )
+        return length, after if length > 0.0 else None
 
 
 def _next_shift(held: list[FloatArray], found: list[FloatArray], speed: FloatArray) -> FloatArray:

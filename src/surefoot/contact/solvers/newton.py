@@ -1,6 +1,6 @@
 """Semismooth Newton as a solver of its own, on the equations that suit the contacts.
 
-Exact cones of three rows take the steps of Alart and Curnier (`newton_step`): up to 45 contacts in the
+Exact cones of three rows take the steps of Alart and Curnier (`newton_step`): up to 128 contacts in the
 compiled call of `auto`, with one sweep before the first step and twice as many before each further attempt;
 above, steps by sparse factorisation with one sweep before each attempt. Contacts of any other kind, and
 other laws, take steps on the natural map λ - P_K(λ - (u + θ Γ(u)) / w) = 0: full ones, with a small proximal
@@ -25,7 +25,7 @@ from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.contact.solvers.compiled import SOON, UNBOUNDED, attempt
 from surefoot.contact.solvers.newton_sparse import BlockNewton
-from surefoot.contact.solvers.newton_step import SHARES_MANY
+from surefoot.contact.solvers.newton_step import PROXIMAL_SHARES
 from surefoot.contact.solvers.scaled import ScaledContacts
 from surefoot.contact.solvers.set_kernels import WIDEST, jacobian_sets, newton_matrix, project_sets
 from surefoot.contact.solvers.solver import Answer, SolverSettings, register, start_forces
@@ -67,7 +67,7 @@ def solve_newton(problem: ContactProblem, settings: SolverSettings, warm_start: 
         # a sweep finds out who slides anew, another share of the proximal
         # term each turn goes elsewhere from there
         done += newton.sweep(forces, 1)
-        steps, relative = newton.run(forces, min(30, most - done), SHARES_MANY[turn % 3])
+        steps, relative = newton.run(forces, min(30, most - done), PROXIMAL_SHARES[turn % 3])
         done += steps
         if relative <= settings.tol:
             break

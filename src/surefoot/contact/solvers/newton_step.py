@@ -38,8 +38,8 @@ bounds.
 Far away it keeps steps short where a wrong guess of who slides leaves no solution; close by it is harmless.
 Attempts take turns with the shares: what holds one back lets the next one through.
 """
-SHARES_MANY, FEW = (0.1, 1e-6, 1.0), 25
-"""The shares above `FEW` contacts: who slides is open for longer there."""
+FEW = 25
+"""Contacts up to which who slides is found out by two sweeps."""
 
 
 @inline_kernel
@@ -278,20 +278,20 @@ def _root_power(base: float, halves: int) -> float:
 @inline_kernel
 def run_dense(
     G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool,
-    local: FloatArray, tol: float, rounds: int, burst: int, most: int, forces: FloatArray,
+    local: FloatArray, tol: float, first: int, last_round: int, burst: int, most: int, forces: FloatArray,
     velocities: FloatArray,
 ) -> tuple[int, float]:  # fmt: skip
     """Alternate Gauss-Seidel sweeps with Newton steps, at most so many; return their number and the error.
 
     G is (3n, 3n); mu and the bounds are (n,), g, forces and velocities (3n,); `local` (n, WIDTH) is what
-    `nsgs.fill_dense` filled.
+    `nsgs.fill_dense` filled. The rounds are those from `first` on, up to but without `last_round`.
     """
     refresh_dense(G, g, forces, velocities)
     done = 0
     relative = last = np.inf
     relax = 1.0
     patience = 2 * WORTH + mu.size
-    for attempt in range(rounds):
+    for attempt in range(first, last_round):
         count, before = 0, np.inf
         while done < most:
             sweep_dense(G, local, mu, low, high, convex, relax, forces, velocities)
@@ -319,7 +319,7 @@ def run_dense(
             relax = max(0.6 * relax, 0.1)
         last = relative
         # another proximal term each round: what one misses, the next may find
-        share = PROXIMAL_SHARES[attempt % 3] if mu.size <= FEW else SHARES_MANY[attempt % 3]
+        share = PROXIMAL_SHARES[attempt % 3]
         used, relative = newton_dense(
             G, g, mu, low, high, convex, tol, min(20, most - done), share, local, forces, velocities
         )  # fmt: skip

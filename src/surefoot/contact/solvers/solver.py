@@ -35,9 +35,11 @@ class SolverSettings:
     tol
         Wanted velocity error, see `surefoot.contact.problem.residuals`.
     max_iterations
-        Bound on the iterations; None for the solver's own default.
+        Bound on the iterations; None for the solver's own default. It alone bounds a solve the same way on
+        every machine, however busy.
     max_time
-        Bound on the wall time [s], checked between iterations.
+        Bound on the wall time [s], checked between iterations: what is reached within it is another thing
+        on a faster or a busier machine.
     """
 
     tol: float = 1e-8
@@ -187,7 +189,7 @@ def solve(
         Wanted velocity error, rounding and energy gap, see `Residuals`: all are relative to the problem's
         own.
     max_iterations, max_time
-        Bounds, see `SolverSettings`; up to 45 contacts on exact cones the time is kept by estimate.
+        Bounds, see `SolverSettings`; up to 128 contacts on exact cones the time is kept by estimate.
     warm_start
         (n, 3) forces to start from, or `problem.shape`; see `problem.warm_start` for contacts that
         came and went.

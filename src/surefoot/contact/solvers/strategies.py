@@ -7,6 +7,7 @@ from dataclasses import dataclass
 PARTS, PROOF = "connected parts apart", "infeasibility proof"
 ON_BLOCKS, ADMM_AND_NEWTON = "sweeps and newton on blocks", "admm and newton"
 INTERIOR = "interior point, redundant contacts"
+FEW_BODIES, LATER = "interior point, few bodies", "later rounds of the compiled call"
 """What is tried besides solvers; see `auto`."""
 
 
@@ -54,6 +55,28 @@ CONES: dict[str, Plan] = {
     ),
 }
 """After the compiled call on few contacts."""
+CONES_MORE: dict[str, Plan] = {
+    "coulomb": (
+        PlanStage(FEW_BODIES),
+        PlanStage(LATER),
+        PlanStage(PARTS),
+        PlanStage(PROOF),
+        PlanStage(INTERIOR),
+        PlanStage(ON_BLOCKS, 20_000),
+        PlanStage("newton"),
+        PlanStage("admm", 1500),
+        PlanStage(ADMM_AND_NEWTON, 10_000, warm=True),
+    ),
+    "convex": (
+        PlanStage(LATER),
+        PlanStage(PARTS),
+        PlanStage(PROOF),
+        PlanStage("distribution"),
+        PlanStage("admm", 4000, warm=True),
+    ),
+}
+"""After the first round of the compiled call on more contacts: a dense iteration of ADMM costs more than a
+sweep on blocks."""
 CONES_LARGE: dict[str, Plan] = {
     "coulomb": (
         PlanStage(PARTS),

@@ -1,0 +1,192 @@
+"""One step along the central path of pairs in second-order cones, compiled: predictor, corrector, length.
+
+A Newton step on x and y, one pair a contact, that are to keep y = Y Yᵀ x + g + shift: see `interior_point`
+for the equations, `cone_pairs` for the scaling. Compiled whole, because a step of four contacts takes
+microseconds and each call from Python takes one.
+
+Source: S. Mehrotra, "On the implementation of a primal-dual interior point method", SIOPT 2, 1992.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.base.kernels import inline_kernel, kernel
+from surefoot.contact.solvers.cone_pairs import (
+    aim_pairs,
+    centrality,
+    finish_direction,
+    longest_step,
+    move_points,
+)
+
+TO_BORDER = 0.99
+"""Share of the way to the border that a step takes."""
+OFF_CENTRE = 1e-2
+"""Least centrality after a step."""
+REFINEMENTS = 1
+"""Corrections of a step by its own residual."""
+SHORTER, SHORTEST = 0.8, 1e-10
+"""By how much a step is shortened that leaves the centre, and where that ends."""
+
+
+@inline_kernel
+def _solve_factors(columns: FloatArray, pivots: IntArray, right: FloatArray) -> None:
+    """Solve in place with LAPACK's factors, of which row k here is column k."""
+    r = right.size
+    for k in range(r):
+        other = pivots[k]
+        right[k], right[other] = right[other], right[k]
+    for k in range(r):
+        x = right[k]
+        for i in range(k + 1, r):
+            right[i] -= columns[k, i] * x
+    for k in range(r - 1, -1, -1):
+        x = right[k] / columns[k, k]
+        right[k] = x
+        for i in range(k):
+            right[i] -= columns[k, i] * x
+
+
+@inline_kernel
+def _gather(rows: FloatArray, forces: FloatArray, out: FloatArray) -> None:
+    """Fill out (r,) with the transposed rows (3n, r) times forces (n, 3)."""
+    out[:] = 0.0
+    for k in range(len(forces)):
+        for a in range(3):
+            x = forces[k, a]
+            for j in range(out.size):
+                out[j] += rows[3 * k + a, j] * x
+
+
+@inline_kernel
+def _direction(
+    factors: FloatArray, pivots: IntArray, rows: FloatArray, across: FloatArray, weights: FloatArray,
+    axes: FloatArray, y: FloatArray, share: float, aim: FloatArray, residual: FloatArray, moved: FloatArray,
+    dx: FloatArray, dy: FloatArray,
+) -> None:  # fmt: skip
+    """Fill the steps dx, dy (n, 3) with dx + P dy = aim and S dy = Y Yᵀ dx - residual."""
+    n, r = len(aim), across.shape[0]
+    v, change, flat = np.empty(r), np.empty(r), np.empty(3 * n)
+    for k in range(n):
+        for a in range(3):
+            dx[k, a] = aim[k, a]
+            for b in range(3):
+                dx[k, a] += weights[k, a, b] * residual[k, b]
+    _gather(rows, dx, v)
+    _solve_factors(factors, pivots, v)
+    for turn in range(REFINEMENTS + 1):
+        flat[:] = 0.0
+        for j in range(r):  # the rows times v, column by column: sums of products would go one by one
+            x = v[j]
+            for i in range(3 * n):
+                flat[i] += across[j, i] * x
+        for k in range(n):
+            for a in range(3):
+                moved[k, a] = flat[3 * k + a] - residual[k, a]
+        finish_direction(axes, y, share, aim, moved, dx, dy)
+        if turn < REFINEMENTS:
+            _gather(rows, dx, change)
+            for j in range(r):
+                change[j] -= v[j]
+            _solve_factors(factors, pivots, change)
+            for j in range(r):
+                v[j] += change[j]
+
+
+@inline_kernel
+def _longest(
+    x: FloatArray, border_x: FloatArray, y: FloatArray, border_y: FloatArray, dx: FloatArray, dy: FloatArray
+) -> float:
+    """Return the longest step inside both cones."""
+    return min(longest_step(x, border_x, dx), longest_step(y, border_y, dy))
+
+
+class Iterate(NamedTuple):
+    """Forces and velocities (n, 3) in the cone L, with their distances (n,) to its border."""
+
+    x: FloatArray
+    border_x: FloatArray
+    y: FloatArray
+    border_y: FloatArray
+
+
+class Scaling(NamedTuple):
+    """What `scale_pairs` fills: axes (n, 4), l (n, 3) and P S⁻¹ (n, 3, 3)."""
+
+    axes: FloatArray
+    scaled: FloatArray
+    weights: FloatArray
+
+
+@kernel
+def central_step(
+    factors: FloatArray, pivots: IntArray, rows: FloatArray, across: FloatArray, point: Iterate,
+    residual: FloatArray, scaling: Scaling, gap: float, share: float, least: float, after: Iterate,
+) -> float:  # fmt: skip
+    """Fill the point after a step; return its length, zero where there is none.
+
+    Parameters
+    ----------
+    factors, pivots
+        Of I + Yᵀ P S⁻¹ Y, as LAPACK's `dgetrf` leaves them, transposed.
+    rows, across
+        Y (3n, r), scaled, and transposed.
+    point, after
+        Where the step begins, and memory for where it ends.
+    residual
+        y less what x asks for, (n, 3).
+    scaling, gap
+        Of `scale_pairs`.
+    share
+        Of the shift's derivative in S: 1, or 0 where it is held.
+    least
+        Least centring.
+    """
+    x, border_x, y, border_y = point
+    axes, scaled, weights = scaling
+    n = len(x)
+    space = np.zeros((4, n, 3))
+    aim, moved, dx, dy = space[0], space[1], space[2], space[3]
+    aim_pairs(axes, scaled, dx, dy, 0.0, 0.0, aim)
+    _direction(factors, pivots, rows, across, weights, axes, y, share, aim, residual, moved, dx, dy)
+    length = min(1.0, _longest(x, border_x, y, border_y, dx, dy))
+    if not length >= 0.0:
+        return 0.0
+    left = 0.0
+    for k in range(n):
+        for a in range(3):
+            left += (x[k, a] + length * dx[k, a]) * (y[k, a] + length * dy[k, a])
+    # Mehrotra's rule: centre little where the predictor got far
+    centre = max(min(max(left / n / gap, 0.0), 1.0) ** 3, least)
+    aim_pairs(axes, scaled, dx, dy, centre * gap, length * length, aim)
+    _direction(factors, pivots, rows, across, weights, axes, y, share, aim, residual, moved, dx, dy)
+    length = min(1.0, TO_BORDER * _longest(x, border_x, y, border_y, dx, dy))
+    while length > SHORTEST:
+        inside = move_points(x, border_x, dx, length, after.x, after.border_x)
+        inside = move_points(y, border_y, dy, length, after.y, after.border_y) and inside
+        if inside and centrality(after.x, after.border_x, after.y, after.border_y) >= OFF_CENTRE:
+            return length
+        length *= SHORTER
+    return 0.0
+
+
+@kernel
+def fill_residual(
+    y: FloatArray, scale: FloatArray, u: FloatArray, lift: FloatArray, speed: FloatArray, out: FloatArray
+) -> float:
+    """Fill out (n, 3) with y less the scaled velocities and the lift (n,); return the most over the speeds.
+
+    An empty lift stands for the length of y's own tangents.
+    """
+    worst = 0.0
+    for k in range(len(y)):
+        for a in range(3):
+            out[k, a] = y[k, a] - scale[k, a] * u[k, a]
+        out[k, 2] -= lift[k] if lift.size else np.sqrt(y[k, 0] ** 2 + y[k, 1] ** 2)
+        for a in range(3):
+            worst = max(worst, abs(out[k, a]) / speed[k])
+    return worst
