@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
+from surefoot.mechanics.robot.foot import Foot
 
 STRETCH = 0.8
 """Height of the hips over the feet, as a share of the leg's length."""
@@ -26,8 +27,8 @@ def chain(model: Any, frame: int) -> list[int]:
     return joints[::-1]
 
 
-def bend_legs(model: Any, q: FloatArray, feet: Sequence[str], flat: Sequence[bool]) -> FloatArray:
-    """Return a standing configuration for feet at the given frames.
+def bend_legs(model: Any, q: FloatArray, feet: Sequence[Foot]) -> FloatArray:
+    """Return a standing configuration for feet.
 
     Each foot is put below its hip (the second joint of a leg with three or more, so that hips keep
     their width) at `STRETCH` of the leg's length; flat feet are also kept level. One bounded
@@ -40,15 +41,12 @@ def bend_legs(model: Any, q: FloatArray, feet: Sequence[str], flat: Sequence[boo
     q
         (nq,) starting pose [m, -, rad]; the base and all joints outside the legs stay as they are.
     feet
-        Names of the foot frames.
-    flat
-        Whether each foot is flat.
+        Which frames stand, and whether they are flat.
     """
     out = q.copy()
-    for name, level in zip(feet, flat, strict=True):
-        frame = model.getFrameId(name)
-        if joints := chain(model, frame):
-            out = _bend(model, out, q, frame, joints, level)
+    for foot in feet:
+        if joints := chain(model, foot.frame):
+            out = _bend(model, out, q, foot.frame, joints, foot.flat)
     return out
 
 

@@ -1,0 +1,149 @@
+"""Feet read from a robot's collision geometry: which shapes a foot has, and what is told of the reading."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from surefoot.base.arrays import FloatArray
+from surefoot.base.errors import ModelError
+from surefoot.mechanics.robot.foot import DEFAULT_RADIUS, Foot
+from surefoot.mechanics.robot.foot_parts import FootPart, foot_part
+from surefoot.mechanics.robot.foot_shape import FootShapeReading, foot_shape
+
+UP = np.array([0.0, 0.0, 1.0])
+LEAST_EXPLAINED = 0.3
+"""Share of the shape's area that a reading must explain; less is a guess."""
+
+
+@dataclass(frozen=True, eq=False)
+class FootSource:
+    """A robot's files, as far as feet are read from them.
+
+    Attributes
+    ----------
+    model, collision
+        Pinocchio's Model and collision GeometryModel.
+    visual
+        Loader of what the robot looks like; feet without collision geometry are read from it.
+    missing
+        Meshes that were not found, by the link whose collision geometry they are.
+    """
+
+    model: Any
+    collision: Any
+    visual: Callable[[], Any]
+    missing: Mapping[str, Sequence[str]] = field(default_factory=dict)
+
+
+def read_feet(source: FootSource, names: Sequence[str], q: FloatArray) -> tuple[Foot, ...]:
+    """Return the feet at frames, their shapes read from the collision geometry at a pose (nq,) [m, -, rad].
+
+    A frame's own shapes count, else those of the body that it is fixed to, else what is drawn of it. A sole
+    whose frame is not level with it gets a frame of its own, which is added to the model.
+
+    Raises
+    ------
+    ModelError
+        For a foot whose shape is missing, or explained by less than `LEAST_EXPLAINED`.
+    """
+    if not names:
+        return ()
+    import pinocchio
+
+    data = source.model.createData()
+    pinocchio.framesForwardKinematics(source.model, data, q)
+    rotations = [np.array(data.oMf[source.model.getFrameId(name)].rotation) for name in names]
+    return tuple(_foot(source, name, R) for name, R in zip(names, rotations, strict=True))
+
+
+def _foot(source: FootSource, name: str, rotation_world_foot: FloatArray) -> Foot:
+    """Return the foot at a frame with a (3, 3) rotation."""
+    model, up = source.model, rotation_world_foot[2]
+    items, whose = _items(source, name)
+    lost = _lost(source, name)
+    if not items:
+        if lost:
+            raise ModelError(
+                f"the foot {name} cannot be read: its shape is {_listed(lost)}, which is not there. Put the "
+                f"file where the model looks for it, or give the foot spheres or a box"
+            )
+        why = (
+            f"{name}: a ball of {1e3 * DEFAULT_RADIUS:.0f} mm radius is assumed, as nothing there has a shape"
+        )
+        return Foot(name, model.getFrameId(name), np.zeros((1, 3)), DEFAULT_RADIUS, why)
+    place = model.frames[model.getFrameId(name)].placement
+
+    def parts_at(vertical: FloatArray) -> list[FootPart]:
+        return [p for item in items if (p := foot_part(item, place.actInv(item.placement), vertical))]
+
+    shape = foot_shape(parts_at, up, rotation_world_foot[0])
+    without = f"; without {_listed(lost)}, which is not there" if lost else ""
+    why = f"{name}: {shape.words}{whose} ({100.0 * shape.explained:.0f} % of its area){without}"
+    if shape.explained < LEAST_EXPLAINED:
+        share, least = 100.0 * shape.explained, 100.0 * LEAST_EXPLAINED
+        raise ModelError(
+            f"the foot {name} would be a guess: {shape.words}{whose} explains {share:.0f} % of the shape's "
+            f"area, less than {least:.0f} %. Give it spheres or a box where it touches the ground"
+        )
+    return Foot(name, _frame(model, name, shape), shape.centres, shape.radius, why)
+
+
+def _frame(model: Any, name: str, shape: FootShapeReading) -> int:
+    """Return the frame in whose axes a contact is, which is made where the foot's own is not level."""
+    import pinocchio
+
+    frame = model.getFrameId(name)
+    if np.array_equal(shape.axes, np.eye(3)):
+        return int(frame)
+    own, title = model.frames[frame], f"{name} sole"
+    if model.existFrame(title):
+        return int(model.getFrameId(title))
+    place = own.placement * pinocchio.SE3(shape.axes, np.zeros(3))
+    return int(
+        model.addFrame(pinocchio.Frame(title, own.parentJoint, frame, place, pinocchio.FrameType.OP_FRAME))
+    )
+
+
+def _items(source: FootSource, name: str) -> tuple[list[Any], str]:
+    """Return the GeometryObjects that are a foot, and whose they are in words."""
+    model = source.model
+    frame = model.getFrameId(name)
+    joint = int(model.frames[frame].parentJoint)
+
+    def is_own(item: Any) -> bool:
+        at = int(item.parentFrame)
+        named = model.frames[at].type.name == "OP_FRAME" and int(model.frames[at].parentFrame) == frame
+        return at == frame or named
+
+    def is_fixed(item: Any) -> bool:
+        return int(item.parentJoint) == joint
+
+    drawn = "as it has no collision shape"
+    choices: list[tuple[Callable[[], Any], Callable[[Any], bool], str]] = [
+        (lambda: source.collision, is_own, ""),
+        (lambda: source.collision, is_fixed, " of the body that it is fixed to"),
+        (source.visual, is_own, f" as drawn, {drawn}"),
+        (source.visual, is_fixed, f" as its body is drawn, {drawn}"),
+    ]
+    if _lost(source, name):
+        choices = choices[::2]  # a neighbour's shape says nothing of it
+    for geometry, chosen, whose in choices:
+        place = model.frames[frame].placement
+        found = [item for item in geometry().geometryObjects if chosen(item)]
+        found = [item for item in found if foot_part(item, place.actInv(item.placement), UP) is not None]
+        if found:
+            return found, whose
+    return [], ""
+
+
+def _lost(source: FootSource, name: str) -> list[str]:
+    """Return the meshes of a foot's own link that were not found."""
+    return list(source.missing.get(name, ()))
+
+
+def _listed(names: Sequence[str]) -> str:
+    return f"the mesh {names[0]}" if len(names) == 1 else f"the meshes {', '.join(names)}"
