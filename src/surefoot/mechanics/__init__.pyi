@@ -51,6 +51,7 @@ from .robot.mjcf import mujoco_line as mujoco_line
 from .robot.motor_limits import MotorLimits as MotorLimits
 from .robot.motor_limits import motor_limits as motor_limits
 from .robot.nominal import chain as chain
+from .robot.nominal import leg_rank as leg_rank
 from .robot.placement import place as place
 from .robot.quadruped import body_corners as body_corners
 from .robot.quadruped import mirrored_joints as mirrored_joints

@@ -71,7 +71,7 @@ def stand(*, asked: StandOptions) -> int:
             plan, happens, shows = _with_events(plan, q, happens)
         statics = _statics(plan, q, asked.mu, *asked.payload_mass)
     model, terrain = plan.robot, plan.terrain
-    say(console, *shows, *(phase["text"] for phase in statics))
+    say(console, *model.notes, *shows, *(phase["text"] for phase in statics))
     if not all(phase["possible"] for phase in statics) and not asked.anyway:
         if asked.as_json:
             named = {"robot": model.name, "mass": model.mass}

@@ -14,6 +14,8 @@ from surefoot.mechanics.robot.foot import DEFAULT_RADIUS, Foot
 from surefoot.mechanics.robot.foot_parts import FootPart, foot_part
 from surefoot.mechanics.robot.foot_shape import FootShapeReading, foot_shape
 
+SHOWN = 3
+"""How many missing meshes are named before the rest is counted."""
 UP = np.array([0.0, 0.0, 1.0])
 LEAST_EXPLAINED = 0.3
 """Share of the shape's area that a reading must explain; less is a guess."""
@@ -58,6 +60,19 @@ def read_feet(source: FootSource, names: Sequence[str], q: FloatArray) -> tuple[
     pinocchio.framesForwardKinematics(source.model, data, q)
     rotations = [np.array(data.oMf[source.model.getFrameId(name)].rotation) for name in names]
     return tuple(_foot(source, name, R) for name, R in zip(names, rotations, strict=True))
+
+
+def reading_notes(feet: Sequence[Foot], missing: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
+    """Return what a run tells of a reading: a line for feet that are alike, one for missing meshes."""
+    alike: dict[str, list[str]] = {}
+    for foot in feet:
+        alike.setdefault(foot.why.removeprefix(f"{foot.name}: "), []).append(foot.name)
+    lines = [f"read from the file: {', '.join(names)}: {words}" for words, names in alike.items()]
+    lost = list(dict.fromkeys(name for names in missing.values() for name in names))
+    if lost:
+        more = f" and {len(lost) - SHOWN} more" if len(lost) > SHOWN else ""
+        lines.append(f"meshes that are not there, whose shapes are left out: {', '.join(lost[:SHOWN])}{more}")
+    return tuple(lines)
 
 
 def _foot(source: FootSource, name: str, rotation_world_foot: FloatArray) -> Foot:
@@ -117,7 +132,7 @@ def _items(source: FootSource, name: str) -> tuple[list[Any], str]:
     def is_own(item: Any) -> bool:
         at = int(item.parentFrame)
         named = model.frames[at].type.name == "OP_FRAME" and int(model.frames[at].parentFrame) == frame
-        return at == frame or named
+        return bool(at == frame or named)
 
     def is_fixed(item: Any) -> bool:
         return int(item.parentJoint) == joint

@@ -155,7 +155,7 @@ def _ball(scene: _Scene, up: FloatArray) -> FootShapeReading | None:
     if any(part.kind not in ("mesh", "ellipsoid") for part in scene.parts):
         return None
     centre, r = _fitted_ball(points, scene.low)
-    if r is None:
+    if r <= 0.0:
         return None
     place = scene.axes @ centre
     if np.linalg.norm(place) < 0.4 * r and scene.low < -1e-3:
@@ -164,20 +164,20 @@ def _ball(scene: _Scene, up: FloatArray) -> FootShapeReading | None:
     return FootShapeReading(place[None, :], r, np.eye(3), scene.share(np.pi * r**2, TIP), words)
 
 
-def _fitted_ball(points: FloatArray, low: float) -> tuple[FloatArray, float | None]:
-    """Return centre and radius of the ball that the lower end of (k, 3) points lies on; None if on none."""
+def _fitted_ball(points: FloatArray, low: float) -> tuple[FloatArray, float]:
+    """Return centre and radius of the ball that the lower end of (k, 3) points lies on; 0 if on none."""
     part = points[points[:, 2] <= low + 3.0 * BAND]
     if len(part) < 8:
-        return np.zeros(3), None
+        return np.zeros(3), 0.0
     middle = part.mean(axis=0)
     rows = np.hstack([2.0 * (part - middle), np.ones((len(part), 1))])
     found, _, rank, _ = np.linalg.lstsq(rows, ((part - middle) ** 2).sum(axis=1), rcond=None)
     if rank < 4:
-        return np.zeros(3), None
+        return np.zeros(3), 0.0
     centre, r = found[:3] + middle, float(np.sqrt(max(found[3] + found[:3] @ found[:3], 0.0)))
     off = np.sqrt(np.mean((np.linalg.norm(part - centre, axis=1) - r) ** 2))
     fits = off < ROUND_FIT * r and abs(centre[2] - r - low) < ROUND_FIT * r and r < LARGEST_BALL
-    return centre, r if fits else None
+    return centre, r if fits else 0.0
 
 
 def _round_sole(scene: _Scene) -> FootShapeReading | None:

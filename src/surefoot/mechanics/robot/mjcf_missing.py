@@ -35,10 +35,11 @@ def compile_present(mujoco: Any, path: Path) -> tuple[Any, dict[str, list[str]]]
     gone: list[str] = []
     while True:
         # a specification that failed to compile cannot be changed any more: read it again
-        spec, missing = mujoco.MjSpec.from_file(str(path)), {}
-        for file in gone:
-            _drop_mesh(spec, file, path, missing)
-            _drop_picture(spec, file)
+        spec = mujoco.MjSpec.from_file(str(path))
+        missing: dict[str, list[str]] = {}
+        for name in gone:
+            _drop_mesh(spec, name, path, missing)
+            _drop_picture(spec, name)
         try:
             return spec.compile(), missing
         except ValueError as error:

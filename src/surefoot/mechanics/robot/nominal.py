@@ -16,6 +16,11 @@ STRETCH = 0.8
 LEAN = 0.02
 """Weight of staying near the middle of the joint range, against the foot's place in leg lengths."""
 
+WHOLE_LEG = 6
+"""Directions in which a leg moves its foot that can put a sole anywhere."""
+ASIDE = 0.02
+"""Weight of a sole's place sideways where the leg has fewer joints."""
+
 
 def chain(model: Any, frame: int) -> list[int]:
     """Return the joints between the base and a frame, base side first."""
@@ -25,6 +30,37 @@ def chain(model: Any, frame: int) -> list[int]:
         joints.append(joint)
         joint = int(model.parents[joint])
     return joints[::-1]
+
+
+def leg_rank(model: Any, frame: int) -> int:
+    """Return in how many of 6 directions the joints between base and frame move it, straight legs apart.
+
+    Examples
+    --------
+    >>> from surefoot.mechanics.robot import load_robot
+    >>> robot = load_robot("g1")
+    >>> leg_rank(robot.model, robot.feet[0].frame)
+    6
+    """
+    import pinocchio
+
+    columns = [
+        k
+        for j in chain(model, frame)
+        for k in range(model.joints[j].idx_v, model.joints[j].idx_v + model.joints[j].nv)
+    ]
+    if not columns:
+        return 0
+    data, best = model.createData(), 0
+    spread = np.random.default_rng(0)
+    for _ in range(3):  # a pose without symmetry; chance may bring it near to a singular one
+        turn = spread.uniform(-1.0, 1.0, size=model.nv)
+        q = pinocchio.integrate(model, pinocchio.neutral(model), turn)
+        J = pinocchio.computeFrameJacobian(model, data, q, frame, pinocchio.ReferenceFrame.LOCAL)[:, columns]
+        reach = max(float(np.linalg.norm(J[:3], axis=0).max()), 1e-9)
+        scaled = J / np.array([reach, reach, reach, 1.0, 1.0, 1.0])[:, None]
+        best = max(best, int(np.linalg.matrix_rank(scaled, tol=1e-3)))
+    return best
 
 
 def bend_legs(model: Any, q: FloatArray, feet: Sequence[Foot]) -> FloatArray:
@@ -68,6 +104,8 @@ def _bend(
     high = np.minimum(model.upperPositionLimit[index], np.pi)
     high = np.maximum(high, low + 1e-6)  # a joint that its limits hold still is no unknown, but has bounds
     middle = np.clip(0.0, low, high)
+    # an ankle that cannot roll leaves the sole level only where the hip does not roll either
+    nearness = np.array([1.0, ASIDE if level and leg_rank(model, frame) < WHOLE_LEG else 1.0, 1.0])
 
     def miss(angles: FloatArray) -> FloatArray:
         full = q.copy()
@@ -77,7 +115,7 @@ def _bend(
         rest = LEAN * (angles - middle)
         tilt = pose.rotation[:, 2] - [0.0, 0.0, 1.0] if level else np.zeros(0)
         turn = pose.rotation[1, :1] if level else np.zeros(0)
-        return np.concatenate([(pose.translation - target) / length, tilt, turn, rest])
+        return np.concatenate([(pose.translation - target) * nearness / length, tilt, turn, rest])
 
     best: Any = None
     for bend in (0.6, -0.6):

@@ -17,16 +17,14 @@ from surefoot.base.libraries import import_pinocchio
 from surefoot.contact import Sole
 from surefoot.mechanics.robot import catalog
 from surefoot.mechanics.robot.contact_points import ContactPoints, contact_points
-from surefoot.mechanics.robot.foot import Foot, catalog_feet, frame_names
-from surefoot.mechanics.robot.foot_reading import FootSource, read_feet
+from surefoot.mechanics.robot.foot import Foot, frame_names
+from surefoot.mechanics.robot.foot_reading import FootSource, reading_notes
 from surefoot.mechanics.robot.mjcf import is_mjcf, nominal_of, read_mjcf
-from surefoot.mechanics.robot.nominal import bend_legs
+from surefoot.mechanics.robot.nominal_pose import feet_and_pose, file_pose
 from surefoot.mechanics.robot.parser_output import parser_output
 from surefoot.mechanics.robot.urdf_geometry import urdf_geometry
 from surefoot.mechanics.stance import Contact, PointContact, SoleContact, Stance
 from surefoot.mechanics.terrain import FlatTerrain, Terrain
-
-NOMINAL_POSES = ("standing", "half_sitting")
 
 
 class Robot:
@@ -52,6 +50,8 @@ class Robot:
         Whether the base is free.
     missing_meshes
         Files of collision meshes that are not there, by link; what else the robot has is as its file says.
+    notes
+        How the feet of a robot's own file were read, and what is missing, in lines; none for known robots.
     """
 
     def __init__(
@@ -70,6 +70,7 @@ class Robot:
         self.nominal = nominal
         self.feet = tuple(feet)
         self.missing_meshes = dict(missing_meshes or {})
+        self.notes: tuple[str, ...] = ()
         if floating and self.feet:
             self.nominal = nominal.copy()
             self.nominal[2] -= min(self.sphere_bottoms(nominal))
@@ -261,7 +262,8 @@ def load_robot(
     """
     feet = frame_names(feet)
     text = str(robot)
-    if text.lower().endswith((".urdf", ".xml")) or "/" in text:
+    is_own = text.lower().endswith((".urdf", ".xml")) or "/" in text
+    if is_own:
         path, entry, srdf = Path(text).expanduser(), catalog.CatalogEntry(text), None
         folders = [path.parent, *path.resolve().parents]
         if not path.is_file():
@@ -287,8 +289,10 @@ def load_robot(
         return urdf_geometry(model, path, pinocchio.GeometryType.VISUAL, folders)[0]
 
     source = FootSource(model, collision, visual, missing)
-    found, nominal = _stand(source, chosen, _pose_of(model, srdf, entry), fixed, entry)
-    return Robot(name, model, collision, visual, found, nominal, not fixed, missing)
+    found, nominal = feet_and_pose(source, chosen, file_pose(model, srdf, entry), fixed, entry)
+    robot_read = Robot(name, model, collision, visual, found, nominal, not fixed, missing)
+    robot_read.notes = reading_notes(found, missing) if is_own else ()
+    return robot_read
 
 
 def _from_mjcf(path: Path, feet: Sequence[str], fixed_base: bool | None) -> Robot:
@@ -303,9 +307,11 @@ def _from_mjcf(path: Path, feet: Sequence[str], fixed_base: bool | None) -> Robo
         FootSource(read.model, read.collision, visual, read.missing_meshes),
         catalog.CatalogEntry(str(path)),
     )
-    found, nominal = _stand(source, feet, nominal_of(read.poses), not read.floating, entry)
+    found, nominal = feet_and_pose(source, feet, nominal_of(read.poses), not read.floating, entry)
     missing = read.missing_meshes
-    return Robot(path.stem, read.model, read.collision, visual, found, nominal, read.floating, missing)
+    robot = Robot(path.stem, read.model, read.collision, visual, found, nominal, read.floating, missing)
+    robot.notes = reading_notes(found, missing)
+    return robot
 
 
 def _check_feet(model: Any, feet: Sequence[str], path: Path) -> None:
@@ -345,51 +351,3 @@ def _parse_urdf(path: Path, root: Sequence[Any]) -> Any:
         if (low > high).any():
             raise ModelError(f"{path}: joint {name} has its lower limit above its upper one, {low} > {high}")
     return model
-
-
-def _pose_of(model: Any, srdf: Path | None, entry: catalog.CatalogEntry) -> FloatArray | None:
-    """Return the SRDF's standing pose (nq,), None without one."""
-    import pinocchio
-
-    if srdf is None:
-        return None
-    pinocchio.loadReferenceConfigurations(model, str(srdf), False)
-    poses = {item.key(): np.array(item.data()) for item in model.referenceConfigurations}
-    pose = next(
-        (poses[n] for n in (NOMINAL_POSES if entry.pose is None else (entry.pose,)) if n in poses), None
-    )
-    if pose is not None:
-        for joint, title in zip(model.joints, model.names, strict=True):
-            for end in (end for end in entry.bent if title.endswith(end)):
-                pose[joint.idx_q] = entry.bent[end]
-    return pose
-
-
-def _stand(
-    source: FootSource,
-    names: Sequence[str],
-    pose: FloatArray | None,
-    fixed: bool,
-    entry: catalog.CatalogEntry,
-) -> tuple[tuple[Foot, ...], FloatArray]:
-    """Return the feet and the nominal pose: the file's or, without one, feet under bent legs."""
-    import pinocchio
-
-    model = source.model
-    q = np.array(pinocchio.neutral(model)) if pose is None else pose
-    if pose is None and fixed:
-        low, high = model.lowerPositionLimit, model.upperPositionLimit
-        usable = np.isfinite(low) & np.isfinite(high) & ((q < low) | (q > high))
-        with np.errstate(invalid="ignore"):  # joints without limits have no middle
-            q = np.where(usable, 0.5 * (low + high), q)
-    elif pose is None:
-        q[3:7] = entry.upright
-        q[7:] = np.clip(q[7:], model.lowerPositionLimit[7:], model.upperPositionLimit[7:])
-    shaped = bool(entry.shapes) and set(names) <= set(entry.feet)
-    feet = catalog_feet(model, entry, names) if shaped else read_feet(source, names, q)
-    if pose is not None or fixed:
-        return feet, q
-    bent = bend_legs(model, q, feet)
-    if not shaped and not any(foot.flat for foot in feet):  # soles stay level, legs turn balls
-        feet = read_feet(source, names, bent)
-    return feet, bent

@@ -1,0 +1,53 @@
+"""Which robots can walk: refusals that say what it would take."""
+
+from __future__ import annotations
+
+from surefoot.base.errors import ModelError
+from surefoot.mechanics import Robot, leg_rank
+
+DIRECTIONS = 6
+"""Of a sole: three along which it moves, three about which it turns."""
+
+
+def check_point_feet(robot: Robot) -> None:
+    """Refuse a robot that cannot walk on point feet.
+
+    Raises
+    ------
+    ModelError
+        Without a free base, with fewer than three feet, or with soles.
+    """
+    flat = sum(foot.flat for foot in robot.feet)
+    if robot.floating and len(robot.feet) > 2 and not flat:
+        return
+    lines = [
+        f"{robot.name} cannot walk here: that takes a free base and three or more point feet, "
+        f"it has {len(robot.feet)}{f', {flat} of them flat' if flat else ''}"
+    ]
+    if robot.floating and len(robot.feet) == 2:
+        pointed = next(foot for foot in robot.feet if not foot.flat)
+        lines.append(
+            "on two feet it takes soles, which points do not have (a box, a mesh or four spheres under each "
+            f"foot). {pointed.why}"
+        )
+    raise ModelError("; ".join(lines))
+
+
+def check_soles(robot: Robot) -> None:
+    """Refuse a robot that cannot walk on two soles.
+
+    Raises
+    ------
+    ModelError
+        Without a free base or two soles, or with legs that cannot lay their soles level wherever they step.
+    """
+    if not robot.floating or len(robot.feet) != 2 or not all(f.flat for f in robot.feet):
+        raise ModelError(f"{robot.name} cannot walk here: it needs a free base and two flat feet")
+    for foot in robot.feet:
+        rank = leg_rank(robot.model, foot.frame)
+        if rank < DIRECTIONS:
+            raise ModelError(
+                f"{robot.name} cannot walk here: the leg of {foot.name} moves its sole in {rank} of 6 "
+                "directions, and a level sole under a body that sways takes all 6, so an ankle that pitches "
+                "and rolls. It can stand (surefoot stand)"
+            )
