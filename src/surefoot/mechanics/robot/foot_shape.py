@@ -10,7 +10,7 @@ import numpy as np
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.mechanics.robot.catalog import EDGE
 from surefoot.mechanics.robot.foot_parts import FootPart, described, grown
-from surefoot.mechanics.robot.outlines import area_of, hull_of, inner_rectangle, turned_rectangle
+from surefoot.mechanics.robot.outlines import area_of, cut_of, hull_of, inner_rectangle, turned_rectangle
 
 BAND = 5e-3
 """What lies this near to the lowest plane of a foot touches the ground [m]."""
@@ -104,7 +104,7 @@ def _at(
         if true_up is None
         else f", {np.degrees(np.arccos(np.clip(up @ true_up, -1.0, 1.0))):.0f} degrees off level"
     )
-    scene = _Scene(who, own, points, radii, near, low, axes, tilt)
+    scene = _Scene(parts, who, own, points, radii, near, low, axes, tilt)
     return _ball(scene, up) or _round_sole(scene) or _sharp(scene)
 
 
@@ -112,6 +112,7 @@ def _at(
 class _Scene:
     """Parts that touch; (k, 3) points of all parts in the frame's and the contact's axes, (k,) radii [m]."""
 
+    all: Sequence[FootPart]
     parts: list[FootPart]
     own: FloatArray
     points: FloatArray
@@ -127,7 +128,9 @@ class _Scene:
         # a ball is as wide there as its section
         above = np.maximum(self.low + depth - self.points[:, 2], 0.0)
         radii = np.where(above > 0.0, self.radii, np.sqrt(np.maximum(self.radii**2 - above**2, 0.0)))
-        whole = area_of(hull_of(grown(self.points[within, :2], radii[within])))
+        outline = grown(self.points[within, :2], radii[within])
+        cuts = [cut_of(part.points @ self.axes, self.low + depth) for part in self.all if part.radius <= 0.0]
+        whole = area_of(hull_of(np.vstack([outline, *cuts])))
         return min(area / whole, 1.0) if whole > 1e-12 else 1.0
 
     def sole(

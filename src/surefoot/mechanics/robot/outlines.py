@@ -28,6 +28,22 @@ def hull_of(points: FloatArray) -> FloatArray:
         return ends
 
 
+def cut_of(points: FloatArray, height: float) -> FloatArray:
+    """Return where the edges of the hull of (k, 3) points go through a height: (m, 2), none for flat ones."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    if len(points) < 4 or points[:, 2].max() <= height:
+        return np.zeros((0, 2))
+    try:
+        faces = ConvexHull(points).simplices
+    except QhullError:
+        return np.zeros((0, 2))
+    a, b = points[faces].reshape(-1, 3), points[np.roll(faces, -1, axis=1)].reshape(-1, 3)
+    through = (a[:, 2] <= height) & (b[:, 2] > height) | (b[:, 2] <= height) & (a[:, 2] > height)
+    a, b = a[through], b[through]
+    return np.asarray(a[:, :2] + ((height - a[:, 2]) / (b[:, 2] - a[:, 2]))[:, None] * (b - a)[:, :2])
+
+
 def area_of(corners: FloatArray) -> float:
     """Return the area inside corners around an outline [m²]."""
     x, y = (corners - corners.mean(axis=0)).T
