@@ -19,13 +19,17 @@ RANGES = {"knee": "0 2.2", "pitch": "-1.6 1.0"}
 
 
 def write_biped(
-    folder: Path, foot: str, *, body: str = "", roll: bool = True, ankle_rpy: str = "0 0 0"
+    folder: Path, foot: str, *, body: str = "", roll: bool = True, ankle_rpy: str = "0 0 0", toe: str = ""
 ) -> Path:
     """Write the robot as URDF, with the collision elements of both feet and of the body.
 
-    Without `roll` the foot is fixed to the ankle. The foot's frame is turned by `ankle_rpy` [rad].
+    Without `roll` the foot is fixed to the ankle; with a `toe`, collision elements, it has a toe joint. The
+    foot's frame is turned by `ankle_rpy` [rad].
     """
-    legs = "".join(_urdf_leg(side, y, foot, roll, ankle_rpy) for side, y in (("left", 0.1), ("right", -0.1)))
+    sides = (("left", 0.1), ("right", -0.1))
+    legs = "".join(
+        _urdf_leg(side, y, foot, roll, ankle_rpy) + (_toe(side, toe) if toe else "") for side, y in sides
+    )
     inertia = '<inertia ixx="0.4" iyy="0.4" izz="0.3" ixy="0" ixz="0" iyz="0"/>'
     text = (
         f'<robot name="biped"><link name="body"><inertial><origin xyz="0 0 0.25"/><mass value="20"/>{inertia}'
@@ -33,6 +37,16 @@ def write_biped(
     path = folder / "biped.urdf"
     path.write_text(f"{text}</inertial>{body}</link>{legs}</robot>")
     return path
+
+
+def _toe(side: str, shape: str) -> str:
+    return (
+        f'<link name="{side}_toe"><inertial><mass value="0.1"/><inertia ixx="1e-3" iyy="1e-3" izz="1e-3" '
+        f'ixy="0" ixz="0" iyz="0"/></inertial>{shape}</link><joint name="{side}_toe_joint" type="revolute">'
+        f'<parent link="{side}_foot"/><child link="{side}_toe"/><origin xyz="0.13 0 -0.04"/>'
+        '<axis xyz="0 1 0"/>'
+        '<limit lower="-0.5" upper="0.5" effort="20" velocity="20"/></joint>'
+    )
 
 
 def _urdf_leg(side: str, y: float, foot: str, roll: bool, ankle_rpy: str) -> str:

@@ -219,3 +219,17 @@ def test_an_ankle_that_cannot_roll_stands_and_is_refused_to_walk(tmp_path: Path)
     command = sf.VelocityCommand([0.0], [[0.2, 0.0, 0.0]])
     with pytest.raises(ModelError, match=r"leg of left_foot moves its sole in 5 of 6 directions"):
         walking_controller(robot, command)
+
+
+def test_a_toe_across_a_joint_is_told_and_counted(tmp_path: Path) -> None:
+    """A contact moves with one joint: the heel's sole is its own, and a toe alone is too little of a foot."""
+    toe = '<collision><origin xyz="0.04 0 0"/><geometry><box size="0.08 0.1 0.03"/></geometry></collision>'
+    path = write_biped(tmp_path, BOX, toe=toe)
+    heel = read(path).feet[0]
+    assert "across the joint left_toe_joint is not part of it" in heel.why
+    assert "(71 % of its area)" in heel.why
+    assert np.array(heel.size) + 2.0 * heel.radius == pytest.approx([0.2, 0.1])
+    with pytest.raises(ModelError, match=r"left_toe would be a guess: .* across the joint left_toe_joint"):
+        sf.load_robot(path, feet="left_toe, right_toe")
+    lifted = read(write_biped(tmp_path, BOX, toe=toe.replace('0.04 0 0"', '0.04 0 0.02"')))
+    assert "across" not in lifted.feet[0].why

@@ -11,8 +11,9 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ModelError
 from surefoot.mechanics.robot.foot import DEFAULT_RADIUS, Foot
-from surefoot.mechanics.robot.foot_parts import FootPart, foot_part
-from surefoot.mechanics.robot.foot_shape import FootShapeReading, foot_shape
+from surefoot.mechanics.robot.foot_parts import FootPart, foot_part, grown
+from surefoot.mechanics.robot.foot_shape import BAND, SHADOW, FootShapeReading, foot_shape
+from surefoot.mechanics.robot.outlines import area_of, hull_of
 
 SHOWN = 3
 """How many missing meshes are named before the rest is counted."""
@@ -58,8 +59,7 @@ def read_feet(source: FootSource, names: Sequence[str], q: FloatArray) -> tuple[
 
     data = source.model.createData()
     pinocchio.framesForwardKinematics(source.model, data, q)
-    rotations = [np.array(data.oMf[source.model.getFrameId(name)].rotation) for name in names]
-    return tuple(_foot(source, name, R) for name, R in zip(names, rotations, strict=True))
+    return tuple(_foot(source, name, data) for name in names)
 
 
 def reading_notes(feet: Sequence[Foot], missing: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
@@ -75,9 +75,11 @@ def reading_notes(feet: Sequence[Foot], missing: Mapping[str, Sequence[str]]) ->
     return tuple(lines)
 
 
-def _foot(source: FootSource, name: str, rotation_world_foot: FloatArray) -> Foot:
-    """Return the foot at a frame with a (3, 3) rotation."""
-    model, up = source.model, rotation_world_foot[2]
+def _foot(source: FootSource, name: str, data: Any) -> Foot:
+    """Return the foot at a frame, placed as Pinocchio's Data has it."""
+    model = source.model
+    rotation_world_foot = np.array(data.oMf[model.getFrameId(name)].rotation)
+    up = rotation_world_foot[2]
     items, whose = _items(source, name)
     lost = _lost(source, name)
     if not items:
@@ -96,13 +98,14 @@ def _foot(source: FootSource, name: str, rotation_world_foot: FloatArray) -> Foo
         return [p for item in items if (p := foot_part(item, place.actInv(item.placement), vertical))]
 
     shape = foot_shape(parts_at, up, rotation_world_foot[0])
+    beyond, share = _left_out(source, name, data, parts_at(up), shape)
     without = f"; without {_listed(lost)}, which is not there" if lost else ""
-    why = f"{name}: {shape.words}{whose} ({100.0 * shape.explained:.0f} % of its area){without}"
-    if shape.explained < LEAST_EXPLAINED:
-        share, least = 100.0 * shape.explained, 100.0 * LEAST_EXPLAINED
+    why = f"{name}: {shape.words}{whose} ({100.0 * share:.0f} % of its area){without}{beyond}"
+    if share < LEAST_EXPLAINED:
         raise ModelError(
-            f"the foot {name} would be a guess: {shape.words}{whose} explains {share:.0f} % of the shape's "
-            f"area, less than {least:.0f} %. Give it spheres or a box where it touches the ground"
+            f"the foot {name} would be a guess: {shape.words}{whose} explains {100.0 * share:.0f} % of the "
+            f"shape's area, less than {100.0 * LEAST_EXPLAINED:.0f} %{beyond}. Give it spheres or a box "
+            "where it touches the ground"
         )
     return Foot(name, _frame(model, name, shape), shape.centres, shape.radius, why)
 
@@ -121,6 +124,46 @@ def _frame(model: Any, name: str, shape: FootShapeReading) -> int:
     return int(
         model.addFrame(pinocchio.Frame(title, own.parentJoint, frame, place, pinocchio.FrameType.OP_FRAME))
     )
+
+
+def _left_out(
+    source: FootSource, name: str, data: Any, parts: Sequence[FootPart], shape: FootShapeReading
+) -> tuple[str, float]:
+    """Return what is told of links across a joint that touch the ground too, and the share that is explained.
+
+    A contact moves with one joint: of a heel and a toe it has the part that the foot's name is on.
+    """
+    model = source.model
+    frame = model.getFrameId(name)
+    joint, pose = int(model.frames[frame].parentJoint), data.oMf[frame]
+    near = [k for k in range(1, model.njoints) if joint in (int(model.parents[k]), k)]
+    near = [k for k in {*near, int(model.parents[joint])} if k not in (0, joint)]
+    up = np.array(pose.rotation)[2]
+    low = _lowest(parts, up, np.inf)[0]
+    others: dict[int, list[FootPart]] = {}
+    for item in source.collision.geometryObjects:
+        if int(item.parentJoint) in near:
+            place = pose.actInv(data.oMi[int(item.parentJoint)] * item.placement)
+            part = foot_part(item, place, up)
+            if part is not None and _lowest([part], up, np.inf)[0] <= low + BAND:
+                others.setdefault(int(item.parentJoint), []).append(part)
+    if not others or len(shape.centres) < 2:
+        return "", shape.explained
+    own = _lowest(parts, up, low + SHADOW)[1]
+    rest = sum(_lowest(found, up, low + SHADOW)[1] for found in others.values())
+    across = [model.names[k if int(model.parents[k]) == joint else joint] for k in others]
+    told = f"; what touches the ground across the joint {' and '.join(across)} is not part of it"
+    return told, shape.explained * own / max(own + rest, 1e-12)
+
+
+def _lowest(parts: Sequence[FootPart], up: FloatArray, height: float) -> tuple[float, float]:
+    """Return how low parts reach [m], and the area of the outline of what lies below a height [m²]."""
+    points = np.vstack([part.points for part in parts])
+    radii = np.concatenate([np.full(len(part.points), part.radius) for part in parts])
+    bottoms = points @ up - radii
+    side = np.linalg.svd(up[None, :])[2][1:]
+    below = bottoms <= height
+    return float(bottoms.min()), area_of(hull_of(grown(points[below] @ side.T, radii[below])))
 
 
 def _items(source: FootSource, name: str) -> tuple[list[Any], str]:
