@@ -3,10 +3,29 @@
 from __future__ import annotations
 
 from surefoot.base.errors import ModelError
+from surefoot.base.spatial import rotation_from_quaternion
 from surefoot.mechanics import Robot, leg_rank
 
 DIRECTIONS = 6
 """Of a sole: three along which it moves, three about which it turns."""
+LEAST_UP = 0.866
+"""Cosine of the base's z axis and the vertical, of 30 degrees."""
+
+
+def check_upright(robot: Robot) -> None:
+    """Refuse a robot whose base has another axis than z up: falls and leans are measured by it.
+
+    Raises
+    ------
+    ModelError
+        If that axis is more than 30 degrees off the vertical in the nominal pose.
+    """
+    if robot.floating and rotation_from_quaternion(robot.nominal[3:7])[2, 2] < LEAST_UP:
+        raise ModelError(
+            f"{robot.name} cannot stand or walk here: the z axis of its base does not point up where it "
+            "stands, and falls are told by it. Give it a base link whose z axis does (a fixed joint turns "
+            "the rest)"
+        )
 
 
 def check_point_feet(robot: Robot) -> None:
@@ -17,6 +36,7 @@ def check_point_feet(robot: Robot) -> None:
     ModelError
         Without a free base, with fewer than three feet, or with soles.
     """
+    check_upright(robot)
     flat = sum(foot.flat for foot in robot.feet)
     if robot.floating and len(robot.feet) > 2 and not flat:
         return
@@ -43,6 +63,7 @@ def check_soles(robot: Robot) -> None:
     """
     if not robot.floating or len(robot.feet) != 2 or not all(f.flat for f in robot.feet):
         raise ModelError(f"{robot.name} cannot walk here: it needs a free base and two flat feet")
+    check_upright(robot)
     for foot in robot.feet:
         rank = leg_rank(robot.model, foot.frame)
         if rank < DIRECTIONS:
