@@ -107,14 +107,14 @@ def _circle(count: int) -> FloatArray:
     return np.column_stack([np.cos(turns), np.sin(turns)])
 
 
-def grown(points: FloatArray, radii: FloatArray) -> FloatArray:
+def disc_points(points: FloatArray, radii: FloatArray) -> FloatArray:
     """Return the outlines of discs about (k, 2) points as points: (m, 2) [m]."""
     sharp = points[radii <= 0.0]
     discs = [p + r * _circle(16) for p, r in zip(points, radii, strict=True) if r > 0.0]
     return np.vstack([sharp, *discs])
 
 
-def described(parts: Iterable[FootPart]) -> str:
+def describe(parts: Iterable[FootPart]) -> str:
     """Return parts in words: "4 spheres and a box", with the names of meshes."""
     kinds: dict[str, list[str]] = {}
     for part in parts:

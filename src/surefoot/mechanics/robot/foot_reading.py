@@ -11,7 +11,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ModelError
 from surefoot.mechanics.robot.foot import DEFAULT_RADIUS, Foot
-from surefoot.mechanics.robot.foot_parts import FootPart, foot_part, grown
+from surefoot.mechanics.robot.foot_parts import FootPart, disc_points, foot_part
 from surefoot.mechanics.robot.foot_shape import BAND, SHADOW, FootShapeReading, foot_shape
 from surefoot.mechanics.robot.outlines import area_of, hull_of
 
@@ -81,12 +81,12 @@ def _foot(source: FootSource, name: str, data: Any) -> Foot:
     rotation_world_foot = np.array(data.oMf[model.getFrameId(name)].rotation)
     up = rotation_world_foot[2]
     items, whose = _items(source, name)
-    lost = _lost(source, name)
+    lost = _missing_of(source, name)
     if not items:
         if lost:
             raise ModelError(
-                f"the foot {name} cannot be read: its shape is {_listed(lost)}, which is not there. Put the "
-                f"file where the model looks for it, or give the foot spheres or a box"
+                f"the foot {name} cannot be read: its shape is {_mesh_names(lost)}, which is not there. Put "
+                "the file where the model looks for it, or give the foot spheres or a box"
             )
         why = (
             f"{name}: a ball of {1e3 * DEFAULT_RADIUS:.0f} mm radius is assumed, as nothing there has a shape"
@@ -98,8 +98,8 @@ def _foot(source: FootSource, name: str, data: Any) -> Foot:
         return [p for item in items if (p := foot_part(item, place.actInv(item.placement), vertical))]
 
     shape = foot_shape(parts_at, up, rotation_world_foot[0])
-    beyond, share = _left_out(source, name, data, parts_at(up), shape)
-    without = f"; without {_listed(lost)}, which is not there" if lost else ""
+    beyond, share = _neighbours(source, name, data, parts_at(up), shape)
+    without = f"; without {_mesh_names(lost)}, which is not there" if lost else ""
     why = f"{name}: {shape.words}{whose} ({100.0 * share:.0f} % of its area){without}{beyond}"
     if share < LEAST_EXPLAINED:
         raise ModelError(
@@ -126,7 +126,7 @@ def _frame(model: Any, name: str, shape: FootShapeReading) -> int:
     )
 
 
-def _left_out(
+def _neighbours(
     source: FootSource, name: str, data: Any, parts: Sequence[FootPart], shape: FootShapeReading
 ) -> tuple[str, float]:
     """Return what is told of links across a joint that touch the ground too, and the share that is explained.
@@ -163,7 +163,7 @@ def _lowest(parts: Sequence[FootPart], up: FloatArray, height: float) -> tuple[f
     bottoms = points @ up - radii
     side = np.linalg.svd(up[None, :])[2][1:]
     below = bottoms <= height
-    return float(bottoms.min()), area_of(hull_of(grown(points[below] @ side.T, radii[below])))
+    return float(bottoms.min()), area_of(hull_of(disc_points(points[below] @ side.T, radii[below])))
 
 
 def _items(source: FootSource, name: str) -> tuple[list[Any], str]:
@@ -187,7 +187,7 @@ def _items(source: FootSource, name: str) -> tuple[list[Any], str]:
         (source.visual, is_own, f" as drawn, {drawn}"),
         (source.visual, is_fixed, f" as its body is drawn, {drawn}"),
     ]
-    if _lost(source, name):
+    if _missing_of(source, name):
         choices = choices[::2]  # a neighbour's shape says nothing of it
     for geometry, chosen, whose in choices:
         place = model.frames[frame].placement
@@ -198,10 +198,10 @@ def _items(source: FootSource, name: str) -> tuple[list[Any], str]:
     return [], ""
 
 
-def _lost(source: FootSource, name: str) -> list[str]:
+def _missing_of(source: FootSource, name: str) -> list[str]:
     """Return the meshes of a foot's own link that were not found."""
     return list(source.missing.get(name, ()))
 
 
-def _listed(names: Sequence[str]) -> str:
+def _mesh_names(names: Sequence[str]) -> str:
     return f"the mesh {names[0]}" if len(names) == 1 else f"the meshes {', '.join(names)}"

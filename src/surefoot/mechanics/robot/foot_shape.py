@@ -9,7 +9,7 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.mechanics.robot.catalog import EDGE
-from surefoot.mechanics.robot.foot_parts import FootPart, described, grown
+from surefoot.mechanics.robot.foot_parts import FootPart, describe, disc_points
 from surefoot.mechanics.robot.outlines import area_of, cut_of, hull_of, inner_rectangle, turned_rectangle
 
 BAND = 5e-3
@@ -128,7 +128,7 @@ class _Scene:
         # a ball is as wide there as its section
         above = np.maximum(self.low + depth - self.points[:, 2], 0.0)
         radii = np.where(above > 0.0, self.radii, np.sqrt(np.maximum(self.radii**2 - above**2, 0.0)))
-        outline = grown(self.points[within, :2], radii[within])
+        outline = disc_points(self.points[within, :2], radii[within])
         cuts = [cut_of(part.points @ self.axes, self.low + depth) for part in self.all if part.radius <= 0.0]
         whole = area_of(hull_of(np.vstack([outline, *cuts])))
         return min(area / whole, 1.0) if whole > 1e-12 else 1.0
@@ -150,24 +150,24 @@ def _ball(scene: _Scene, up: FloatArray) -> FootShapeReading | None:
         reach = np.linalg.norm(points[near, :2] - points[best, :2], axis=1)
         if (reach <= np.where(radii[near] > 0.0, BAND, radii[best])).all():
             r = float(radii[best])
-            words = f"a ball of {1e3 * r:.0f} mm radius, {described(scene.parts)}"
+            words = f"a ball of {1e3 * r:.0f} mm radius, {describe(scene.parts)}"
             return FootShapeReading(
                 scene.own[best : best + 1], r, np.eye(3), scene.share(np.pi * r**2, TIP), words
             )
         return None
     if any(part.kind not in ("mesh", "ellipsoid") for part in scene.parts):
         return None
-    centre, r = _fitted_ball(points, scene.low)
+    centre, r = _fit_ball(points, scene.low)
     if r <= 0.0:
         return None
     place = scene.axes @ centre
     if np.linalg.norm(place) < 0.4 * r and scene.low < -1e-3:
         place, r = np.zeros(3), -scene.low  # its frame is in its middle
-    words = f"a ball of {1e3 * r:.0f} mm radius, which {described(scene.parts)} is like at its lower end"
+    words = f"a ball of {1e3 * r:.0f} mm radius, which {describe(scene.parts)} is like at its lower end"
     return FootShapeReading(place[None, :], r, np.eye(3), scene.share(np.pi * r**2, TIP), words)
 
 
-def _fitted_ball(points: FloatArray, low: float) -> tuple[FloatArray, float]:
+def _fit_ball(points: FloatArray, low: float) -> tuple[FloatArray, float]:
     """Return centre and radius of the ball that the lower end of (k, 3) points lies on; 0 if on none."""
     part = points[points[:, 2] <= low + 3.0 * BAND]
     if len(part) < 8:
@@ -191,8 +191,8 @@ def _round_sole(scene: _Scene) -> FootShapeReading | None:
     r = float(radii.min())
     lowered = np.column_stack([points[:, :2], points[:, 2] - radii + r])
     hull = hull_of(lowered[:, :2])
-    words = f"under {described(scene.parts)}"
-    whole = area_of(hull_of(grown(points[:, :2], radii)))
+    words = f"under {describe(scene.parts)}"
+    whole = area_of(hull_of(disc_points(points[:, :2], radii)))
     if len(hull) < 3 or _width(hull) < LINE:
         return _line(scene, hull, float(lowered[:, 2].min()), r, scene.share(whole, SHADOW), words)
     if len(points) == 4 and _four_corners(points) and np.ptp(radii) < 1e-9:
@@ -211,8 +211,8 @@ def _round_sole(scene: _Scene) -> FootShapeReading | None:
 def _sharp(scene: _Scene) -> FootShapeReading:
     """Return the sole, the line or the point of shapes with corners."""
     points, radii = scene.points[scene.near], scene.radii[scene.near]
-    hull = hull_of(grown(points[:, :2], radii))
-    part = f"what lies within {1e3 * BAND:.0f} mm of the lowest plane of {described(scene.parts)}"
+    hull = hull_of(disc_points(points[:, :2], radii))
+    part = f"what lies within {1e3 * BAND:.0f} mm of the lowest plane of {describe(scene.parts)}"
     length = float(np.linalg.norm(hull[:, None] - hull[None, :], axis=-1).max())
     if length < POINT:
         r = max(0.5 * length, EDGE)
@@ -238,7 +238,7 @@ def _line(
     apart = np.linalg.norm(hull[:, None] - hull[None, :], axis=-1)
     i, j = np.unravel_index(int(apart.argmax()), apart.shape)
     along = hull[j] - hull[i]
-    turn = _folded(float(np.arctan2(along[1], along[0])))
+    turn = _fold(float(np.arctan2(along[1], along[0])))
     c, s = np.cos(turn), np.sin(turn)
     ends = hull[[i, j]] @ np.array([[c, -s], [s, c]])
     low, high = ends.min(axis=0), ends.max(axis=0)
@@ -254,13 +254,13 @@ def _turn(hull: FloatArray) -> float:
     """Return by which angle a hull's rectangle is turned [rad]; none where the axes do nearly as well."""
     edges = np.roll(hull, -1, axis=0) - hull
     long = edges[np.argsort(-np.linalg.norm(edges, axis=1))[:8]]
-    turns = [0.0, *(_folded(float(np.arctan2(y, x))) for x, y in long)]
+    turns = [0.0, *(_fold(float(np.arctan2(y, x))) for x, y in long)]
     areas = [turned_rectangle(hull, turn)[0] for turn in turns]
     best = int(np.argmax(areas))
     return 0.0 if areas[0] >= AS_GOOD * areas[best] else turns[best]
 
 
-def _folded(turn: float) -> float:
+def _fold(turn: float) -> float:
     """Return an angle less a number of right angles, within 45 degrees of none [rad]."""
     return float((turn + 0.25 * np.pi) % (0.5 * np.pi) - 0.25 * np.pi)
 

@@ -20,7 +20,6 @@ from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ModelError, needs, one_line
 from surefoot.base.libraries import import_pinocchio
 from surefoot.base.spatial import quaternion_xyzw, rotation_from_quaternion
-from surefoot.mechanics.robot.mjcf_missing import compile_present
 from surefoot.mechanics.robot.mjcf_unsupported import beyond_a_tree
 from surefoot.mechanics.robot.parser_output import parser_output
 
@@ -84,6 +83,8 @@ def read_mjcf(path: Path, fixed_base: bool | None) -> MjcfRobot:
     """
     with needs("mujoco", "sim"):
         import mujoco
+    from surefoot.mechanics.robot.mjcf_missing import compile_present
+
     pinocchio = import_pinocchio()
     with parser_output():
         try:

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.mechanics.robot import catalog
 from surefoot.mechanics.robot.foot import Foot, catalog_feet
-from surefoot.mechanics.robot.foot_reading import FootSource, read_feet
 from surefoot.mechanics.robot.nominal import bend_legs
+
+if TYPE_CHECKING:
+    from surefoot.mechanics.robot.foot_reading import FootSource
 
 NOMINAL_POSES = ("standing", "half_sitting")
 """Names of the poses of an SRDF file that are nominal ones, the first that it has."""
@@ -43,8 +45,10 @@ def feet_and_pose(
     fixed: bool,
     entry: catalog.CatalogEntry,
 ) -> tuple[tuple[Foot, ...], FloatArray]:
-    """Return the feet and the nominal pose: the file's or, without one, feet under bent legs."""
+    """Return the feet and the nominal pose (nq,): the file's or, without one, feet under bent legs."""
     import pinocchio
+
+    from surefoot.mechanics.robot.foot_reading import read_feet  # not needed to import the package
 
     model = source.model
     q = np.array(pinocchio.neutral(model)) if pose is None else pose

@@ -45,13 +45,13 @@ def cut_of(points: FloatArray, height: float) -> FloatArray:
 
 
 def area_of(corners: FloatArray) -> float:
-    """Return the area inside corners around an outline [m²]."""
+    """Return the area inside (k, 2) corners around an outline [m²]."""
     x, y = (corners - corners.mean(axis=0)).T
     return 0.5 * float(abs(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)))
 
 
 def inner_rectangle(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the lower and upper corner of the largest rectangle along the axes in a convex outline [m].
+    """Return the corners, (2,) each, of the largest rectangle along the axes in (k, 2) corners of a hull [m].
 
     Exact for outlines whose largest rectangle has its sides through corners; else to a cut's width.
     """
@@ -80,7 +80,7 @@ def _chords(corners: FloatArray, cuts: FloatArray) -> tuple[FloatArray, FloatArr
 
 
 def turned_rectangle(corners: FloatArray, turn: float) -> tuple[float, FloatArray, FloatArray]:
-    """Return area, lower and upper corner of the largest rectangle along axes turned by an angle [rad]."""
+    """Return area [m²] and corners, (2,) each, of the largest rectangle in (k, 2) corners, turned [rad]."""
     c, s = np.cos(turn), np.sin(turn)
     low, high = inner_rectangle(corners @ np.array([[c, -s], [s, c]]))
     return float(np.prod(high - low)), low, high

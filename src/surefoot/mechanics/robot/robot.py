@@ -18,11 +18,8 @@ from surefoot.contact import Sole
 from surefoot.mechanics.robot import catalog
 from surefoot.mechanics.robot.contact_points import ContactPoints, contact_points
 from surefoot.mechanics.robot.foot import Foot, frame_names
-from surefoot.mechanics.robot.foot_reading import FootSource, reading_notes
 from surefoot.mechanics.robot.mjcf import is_mjcf, nominal_of, read_mjcf
-from surefoot.mechanics.robot.nominal_pose import feet_and_pose, file_pose
 from surefoot.mechanics.robot.parser_output import parser_output
-from surefoot.mechanics.robot.urdf_geometry import urdf_geometry
 from surefoot.mechanics.stance import Contact, PointContact, SoleContact, Stance
 from surefoot.mechanics.terrain import FlatTerrain, Terrain
 
@@ -260,6 +257,10 @@ def load_robot(
     >>> round(robot.mass, 3), robot.foot_names
     (16.085, ('FL_foot', 'FR_foot', 'RL_foot', 'RR_foot'))
     """
+    from surefoot.mechanics.robot.foot_reading import FootSource, reading_notes
+    from surefoot.mechanics.robot.nominal_pose import feet_and_pose, file_pose
+    from surefoot.mechanics.robot.urdf_geometry import urdf_geometry
+
     feet = frame_names(feet)
     text = str(robot)
     is_own = text.lower().endswith((".urdf", ".xml")) or "/" in text
@@ -297,6 +298,9 @@ def load_robot(
 
 def _from_mjcf(path: Path, feet: Sequence[str], fixed_base: bool | None) -> Robot:
     """Return the robot of an MJCF file, in its first keyframe that is a nominal pose."""
+    from surefoot.mechanics.robot.foot_reading import FootSource, reading_notes
+    from surefoot.mechanics.robot.nominal_pose import feet_and_pose
+
     read = read_mjcf(path, fixed_base)
     _check_feet(read.model, feet, path)
 

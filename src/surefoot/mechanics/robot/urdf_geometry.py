@@ -43,13 +43,13 @@ def urdf_geometry(
     except (ElementTree.ParseError, OSError, UnicodeDecodeError, LookupError):
         return pinocchio.GeometryModel(), {}
     missing = _drop_missing(tree, tag, path, folders)
-    built = _built(model, tree, kind, packages)
+    built = _build_shapes(model, tree, kind, packages)
     if built is None:  # a mesh is there and no mesh: ask one by one
         for name in _meshes(tree, tag):
             alone = _only(tree, tag, name)
-            if _built(model, alone, kind, packages) is None:
+            if _build_shapes(model, alone, kind, packages) is None:
                 _note(missing, _drop(tree, tag, name))
-        built = _built(model, tree, kind, packages)
+        built = _build_shapes(model, tree, kind, packages)
     return (pinocchio.GeometryModel() if built is None else built), missing
 
 
@@ -120,7 +120,7 @@ def _note(missing: dict[str, list[str]], dropped: Sequence[tuple[str, str]]) -> 
             names.append(name)
 
 
-def _built(model: Any, tree: Any, kind: Any, packages: Sequence[str]) -> Any:
+def _build_shapes(model: Any, tree: Any, kind: Any, packages: Sequence[str]) -> Any:
     """Return the GeometryModel of a tree, None where a mesh in it stops the parser."""
     import pinocchio
 
