@@ -36,7 +36,6 @@ from .robot.actuators import file_actuators as file_actuators
 from .robot.actuators import limited_robot as limited_robot
 from .robot.actuators import real_actuators as real_actuators
 from .robot.actuators import unknown_limits as unknown_limits
-from .robot.catalog import FootShape as FootShape
 from .robot.catalog import robot_names as robot_names
 from .robot.centroidal import SLIDES as SLIDES
 from .robot.centroidal import composite_inertia as composite_inertia
@@ -45,12 +44,14 @@ from .robot.contact_points import ContactPoints as ContactPoints
 from .robot.dynamics import generalised_torque as generalised_torque
 from .robot.dynamics import joint_inertias as joint_inertias
 from .robot.foot import Foot as Foot
+from .robot.foot import shaped_foot as shaped_foot
 from .robot.jacobians import contact_jacobian as contact_jacobian
 from .robot.legs import Legs as Legs
 from .robot.mjcf import mujoco_line as mujoco_line
 from .robot.motor_limits import MotorLimits as MotorLimits
 from .robot.motor_limits import motor_limits as motor_limits
 from .robot.nominal import chain as chain
+from .robot.nominal import leg_rank as leg_rank
 from .robot.placement import place as place
 from .robot.quadruped import body_corners as body_corners
 from .robot.quadruped import mirrored_joints as mirrored_joints

@@ -17,8 +17,9 @@ from tests.robots import robot_of as load
 LEGGED = sorted(name for name, entry in CATALOG.items() if not entry.fixed_base)
 FLAT = {
     "g1", "g1_with_hands", "talos", "talos_full", "romeo", "romeo_full", "icub", "icub_full", "alexander",
+    "human",
 }  # fmt: skip
-TWO_POINTS = {"bolt", "human", "simple_humanoid"}
+TWO_POINTS = {"bolt", "simple_humanoid"}
 LEGS = {  # folders of example-robot-data whose robots have legs
     "a1", "alexander", "anymal_b_simple", "anymal_c_simple", "b1", "bolt", "cassie", "centauro", "g1", "go1",
     "go2", "human", "hyq", "icub", "laikago", "quadruped", "romeo", "simple_humanoid", "solo", "talos_data",

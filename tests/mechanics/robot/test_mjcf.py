@@ -292,8 +292,9 @@ def test_placeholders_out_of_sight_are_left_aside(tmp_path: Path) -> None:
 
 def test_a_foot_of_a_mesh_reaches_to_its_lowest_point(tmp_path: Path) -> None:
     """As for URDF files: MuJoCo moves and turns a mesh into its own axes, and it is put back where it was."""
-    rng = np.random.default_rng(5)
-    points = rng.normal(size=(12, 3)) * [0.05, 0.03, 0.02] + [0.04, 0.0, -0.06]
+    turns = 2.0 * np.pi * np.arange(5) / 5
+    base = np.column_stack([0.04 + 0.03 * np.cos(turns), 0.03 * np.sin(turns), np.full(5, -0.02)])
+    points = np.vstack([base, [0.06, 0.01, -0.1]])
     vertices = " ".join(map(repr, points.ravel().tolist()))
     mesh = f'<asset><mesh name="sole" vertex="{vertices}"/></asset>'
     text = CRANK.format(crank="", more=mesh)
@@ -302,10 +303,15 @@ def test_a_foot_of_a_mesh_reaches_to_its_lowest_point(tmp_path: Path) -> None:
     sphere = '<joint name="j2"/><geom size="0.05"/>'
     assert sphere in text
     path.write_text(text.replace(sphere, f'<joint name="j2"/>{inertial}<geom type="mesh" mesh="sole"/>'))
-    foot = sf.load_robot(path, feet=["rod"]).feet[0]
-    assert foot.radius == pytest.approx(
-        -points[:, 2].min(), rel=1e-6
-    )  # MuJoCo keeps vertices in single precision
+    robot = sf.load_robot(path, feet=["rod"])
+    foot = robot.feet[0]
+    robot.sphere_bottoms(robot.nominal)  # moves the frames there
+    rod = robot.data.oMf[foot.frame]
+    placed = points @ rod.rotation.T + rod.translation
+    touching = rod.act(foot.centre) - [0.0, 0.0, foot.radius]
+    lowest = placed[placed[:, 2].argmin()]
+    assert touching == pytest.approx(lowest, abs=1e-6)  # MuJoCo keeps vertices in single precision
+    assert "a point" in foot.why
 
 
 def test_wrong_feet_are_answered_with_frames(tmp_path: Path) -> None:

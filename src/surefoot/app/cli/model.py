@@ -43,6 +43,7 @@ def describe(robot: Any) -> dict[str, Any]:
         "nv": int(body.nv),
         "joints": _joints(robot),
         "feet": _feet(robot, stance, J),
+        "missing_meshes": robot.missing_meshes,
         "frames": [str(f.name) for f in body.frames if f.type.name == "BODY"],
         "nominal": q,
         "contact_jacobian": {
@@ -90,6 +91,7 @@ def _feet(robot: Any, stance: Any, J: Any) -> list[dict[str, Any]]:
             "shape": "patch" if foot.flat else "point",
             "size": list(foot.size) if foot.flat else [2.0 * foot.radius],
             "position": contact.position,
+            "why": foot.why,
             "rows": contact.dim,
             "rank": int(np.linalg.matrix_rank(J[rows], tol=1e-9)),
             "rank_of_its_leg": int(np.linalg.matrix_rank(J[rows, robot.base_dof :], tol=1e-9)),
@@ -109,8 +111,11 @@ def _print(console: Console, facts: dict[str, Any]) -> None:
         J = facts["contact_jacobian"]
         shape = f"contact Jacobian {J['rows']} x {J['columns']}"
         say(console, f"{shape}: rank {J['rank']}, condition {J['condition']:.1f}")
+        say(console, *(foot["why"] for foot in facts["feet"]))
     else:
         say(console, "no feet (name them with --feet)")
+    for link, names in facts["missing_meshes"].items():
+        say(console, f"{link} lacks shapes: not found: {', '.join(names)}")
     console.print(_inertia_table(facts["centroidal"]))
 
 

@@ -71,7 +71,7 @@ def stand(*, asked: StandOptions) -> int:
             plan, happens, shows = _with_events(plan, q, happens)
         statics = _statics(plan, q, asked.mu, *asked.payload_mass)
     model, terrain = plan.robot, plan.terrain
-    say(console, *shows, *(phase["text"] for phase in statics))
+    say(console, *model.notes, *shows, *(phase["text"] for phase in statics))
     if not all(phase["possible"] for phase in statics) and not asked.anyway:
         if asked.as_json:
             named = {"robot": model.name, "mass": model.mass}
@@ -88,12 +88,14 @@ def _set_up(asked: StandOptions, lifts: list[Any]) -> tuple[Any, Any]:
     """Return the plan of a robot on its terrain, and its stance; or raise for what cannot be."""
     from surefoot.mechanics import place
     from surefoot.motion.standing.standing_plan import StandingPlan
+    from surefoot.motion.walking.walkable import check_upright
 
     terrain = asked.read()
     robot = load(asked.robot, asked.feet, feet_needed=True)
     if robot.feet and sum(len(foot.centres) for foot in robot.feet) < 3:
         count = len(robot.feet)
         raise ProblemError(f"{robot.name} cannot stand still: {count} point feet span no area to stand on")
+    check_upright(robot)
     q = place(robot, terrain)
     return StandingPlan(robot, terrain, q, lifts), q
 

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
+from surefoot.mechanics.robot.catalog import CatalogEntry
 
 DEFAULT_RADIUS = 0.02
-"""Radius of a foot whose URDF draws none [m]."""
+"""Radius of a foot whose file gives it no shape [m]."""
 
 
 @dataclass(frozen=True)
@@ -30,12 +31,15 @@ class Foot:
         corners for a flat one.
     radius
         Radius of the spheres [m].
+    why
+        From which geometry it was read, and how much of that it explains: one sentence.
     """
 
     name: str
     frame: int
     centres: FloatArray
     radius: float
+    why: str = ""
 
     @property
     def flat(self) -> bool:
@@ -85,45 +89,24 @@ def frame_names(feet: str | Sequence[str] | None) -> Sequence[str] | None:
     return feet
 
 
-def shaped_foot(model: Any, name: str, centres: Sequence[tuple[float, float, float]], radius: float) -> Foot:
+def shaped_foot(
+    model: Any, name: str, centres: Sequence[tuple[float, float, float]], radius: float, why: str = ""
+) -> Foot:
     """Return the foot at a frame with the given (k, 3) sphere centres in that frame and radius [m]."""
-    return Foot(name, model.getFrameId(name), np.array(centres, dtype=np.float64), radius)
+    return Foot(name, model.getFrameId(name), np.array(centres, dtype=np.float64), radius, why)
 
 
-def read_foot(model: Any, geometry: Any, name: str, rotation_world_foot: FloatArray) -> Foot:
-    """Return the foot at a frame, its shape read from the collision geometry.
-
-    Spheres are taken as they are (four or more make a flat foot); a mesh counts as a sphere that
-    reaches down to its lowest vertex in the nominal pose; no geometry at all gives a sphere of
-    `DEFAULT_RADIUS`.
-
-    Parameters
-    ----------
-    model, geometry
-        Pinocchio's Model and its collision GeometryModel.
-    name
-        The foot's frame, which must exist.
-    rotation_world_foot
-        (3, 3) rotation of the frame in the nominal pose.
-    """
-    frame = model.getFrameId(name)
-    joint_from_foot = model.frames[frame].placement
-    spheres, lowest = [], None
-    for item in geometry.geometryObjects:
-        if item.parentFrame != frame:
-            continue
-        foot_from_item = joint_from_foot.actInv(item.placement)
-        shape = item.geometry
-        if type(shape).__name__ == "Sphere":
-            spheres.append((foot_from_item.translation.copy(), float(shape.radius)))
-        elif type(shape).__name__.startswith("BVHModel"):
-            points = np.array([shape.vertex(k) for k in range(shape.num_vertices)])
-            points = points @ foot_from_item.rotation.T + foot_from_item.translation
-            lowest = float((points @ rotation_world_foot.T)[:, 2].min())
-    if len(spheres) >= 3:
-        return Foot(name, frame, np.array([c for c, _ in spheres]), min(r for _, r in spheres))
-    if spheres:
-        centre, radius = spheres[0]
-        return Foot(name, frame, centre[None, :], radius)
-    radius = -lowest if lowest is not None and lowest < -1e-3 else DEFAULT_RADIUS
-    return Foot(name, frame, np.zeros((1, 3)), radius)
+def catalog_feet(model: Any, entry: CatalogEntry, names: Sequence[str]) -> tuple[Foot, ...]:
+    """Return the feet at frames with the shapes that a catalogue entry measured."""
+    out = []
+    for name in names:
+        shape = entry.shapes[entry.feet.index(name)]
+        foot = shaped_foot(model, name, shape.centres, shape.radius)
+        length, width = (1e3 * (size + 2.0 * shape.radius) for size in foot.size)
+        what = (
+            f"a sole of {length:.0f} x {width:.0f} mm"
+            if foot.flat
+            else f"a ball of {1e3 * shape.radius:.0f} mm radius"
+        )
+        out.append(replace(foot, why=f"{name}: {what}, as the catalogue measured it on the robot's meshes"))
+    return tuple(out)

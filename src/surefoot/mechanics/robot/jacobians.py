@@ -124,6 +124,9 @@ def _attach(robot: Robot, contact: Contact) -> Attachment:
 
 def _frame_of(robot: Robot, name: str) -> int:
     """Return the index of the frame that a contact's name stands for."""
+    for foot in robot.feet:
+        if foot.name == name:
+            return foot.frame  # a sole may have a frame of its own
     for candidate in (name, name.rpartition(".")[0]):
         if candidate and robot.model.existFrame(candidate):
             return int(robot.model.getFrameId(candidate))

@@ -10,7 +10,7 @@ how the robot rests (closed chains, springs, tendons that pull) is not left out 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -41,12 +41,15 @@ class MjcfRobot:
         Whether the base is free.
     poses
         (nq,) of each keyframe.
+    missing_meshes
+        Files of meshes that are not there, by body.
     """
 
     model: Any
     collision: Any
     floating: bool
     poses: dict[str, FloatArray]
+    missing_meshes: dict[str, list[str]] = field(default_factory=dict)
 
 
 def is_mjcf(path: Path) -> bool:
@@ -80,10 +83,12 @@ def read_mjcf(path: Path, fixed_base: bool | None) -> MjcfRobot:
     """
     with needs("mujoco", "sim"):
         import mujoco
+    from surefoot.mechanics.robot.mjcf_missing import compile_present
+
     pinocchio = import_pinocchio()
     with parser_output():
         try:
-            compiled = mujoco.MjModel.from_xml_path(str(path))
+            compiled, missing = compile_present(mujoco, path)
         except (ValueError, OSError) as error:
             raise ModelError(f"{path} is not an MJCF that MuJoCo can read: {mujoco_line(error)}") from error
     beyond = beyond_a_tree(mujoco, compiled)
@@ -92,7 +97,7 @@ def read_mjcf(path: Path, fixed_base: bool | None) -> MjcfRobot:
             f"{path} is more than a tree of hinges and slides with motors, and would not move without it as "
             f"it does: {'; '.join(beyond)}. A copy of the file without it can be loaded"
         )
-    return _Builder(mujoco, pinocchio, compiled, fixed_base, path).build()
+    return replace(_Builder(mujoco, pinocchio, compiled, fixed_base, path).build(), missing_meshes=missing)
 
 
 def mujoco_line(error: Exception) -> str:
@@ -248,14 +253,17 @@ class _Builder:
         joint, here = self.place[body]
         for site in range(c.nsite):
             if int(c.site_bodyid[site]) == body and c.site(site).name:
-                self._frame(c.site(site).name, joint, here * self._pose(c.site_pos[site], c.site_quat[site]))
+                place = here * self._pose(c.site_pos[site], c.site_quat[site])
+                self._frame(c.site(site).name, joint, place, self.frame[body])
         first = int(c.body_geomadr[body])
         for geom in range(first, first + int(c.body_geomnum[body])):
-            if not (c.geom_contype[geom] or c.geom_conaffinity[geom]):
+            if not self._collides(geom):
                 continue
             place = here * self._pose(c.geom_pos[geom], c.geom_quat[geom])
             name = c.geom(geom).name
-            frame = self._frame(name, joint, place) if name else self._site_at(body, place, geom)
+            frame = self._frame(name, joint, place, self.frame[body]) if name else None
+            if frame is None:
+                frame = self._site_at(body, place, geom)
             shape = self._shape(geom)
             if shape is not None:
                 item = self.pin.GeometryObject(
@@ -263,15 +271,21 @@ class _Builder:
                 )
                 self.collision.addGeometryObject(item)
 
-    def _frame(self, name: str, joint: int, place: Any) -> int | None:
-        """Return a new frame fixed to a joint; None if there is one of that name."""
+    def _collides(self, geom: int) -> bool:
+        """Return whether a shape can touch anything: by its bits, or by a pair of its own."""
+        c = self.compiled
+        paired = bool((c.pair_geom1 == geom).any() or (c.pair_geom2 == geom).any())
+        return bool(c.geom_contype[geom] or c.geom_conaffinity[geom]) or paired
+
+    def _frame(self, name: str, joint: int, place: Any, body: int) -> int | None:
+        """Return a new frame fixed to a joint, of a body's frame; None if there is one of that name."""
         if self.model.existFrame(name):
             return None
         kind = self.pin.FrameType.OP_FRAME
-        return int(self.model.addFrame(self.pin.Frame(name, joint, place, kind)))
+        return int(self.model.addFrame(self.pin.Frame(name, joint, body, place, kind)))
 
     def _site_at(self, body: int, place: Any, geom: int) -> int | None:
-        """Return the frame of a site in the middle of a nameless shape: a foot's name, most often."""
+        """Return the frame of a site in the middle of a shape without a frame: a foot's, most often."""
         c, reach = self.compiled, float(self.compiled.geom_size[geom, 0])
         if int(c.geom_type[geom]) == int(self.mujoco.mjtGeom.mjGEOM_MESH):
             return None  # it is the shape of the body, not of a place on it

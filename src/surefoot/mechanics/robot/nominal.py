@@ -9,11 +9,17 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
+from surefoot.mechanics.robot.foot import Foot
 
 STRETCH = 0.8
 """Height of the hips over the feet, as a share of the leg's length."""
 LEAN = 0.02
 """Weight of staying near the middle of the joint range, against the foot's place in leg lengths."""
+
+WHOLE_LEG = 6
+"""Directions in which a leg moves its foot that can put a sole anywhere."""
+ASIDE = 0.02
+"""Weight of a sole's place sideways where the leg has fewer joints."""
 
 
 def chain(model: Any, frame: int) -> list[int]:
@@ -26,8 +32,39 @@ def chain(model: Any, frame: int) -> list[int]:
     return joints[::-1]
 
 
-def bend_legs(model: Any, q: FloatArray, feet: Sequence[str], flat: Sequence[bool]) -> FloatArray:
-    """Return a standing configuration for feet at the given frames.
+def leg_rank(model: Any, frame: int) -> int:
+    """Return in how many of 6 directions the joints between base and frame move it, straight legs apart.
+
+    Examples
+    --------
+    >>> from surefoot.mechanics.robot import load_robot
+    >>> robot = load_robot("g1")
+    >>> leg_rank(robot.model, robot.feet[0].frame)
+    6
+    """
+    import pinocchio
+
+    columns = [
+        k
+        for j in chain(model, frame)
+        for k in range(model.joints[j].idx_v, model.joints[j].idx_v + model.joints[j].nv)
+    ]
+    if not columns:
+        return 0
+    data, best = model.createData(), 0
+    spread = np.random.default_rng(0)
+    for _ in range(3):  # a pose without symmetry; chance may bring it near to a singular one
+        turn = spread.uniform(-1.0, 1.0, size=model.nv)
+        q = pinocchio.integrate(model, pinocchio.neutral(model), turn)
+        J = pinocchio.computeFrameJacobian(model, data, q, frame, pinocchio.ReferenceFrame.LOCAL)[:, columns]
+        reach = max(float(np.linalg.norm(J[:3], axis=0).max()), 1e-9)
+        scaled = J / np.array([reach, reach, reach, 1.0, 1.0, 1.0])[:, None]
+        best = max(best, int(np.linalg.matrix_rank(scaled, tol=1e-3)))
+    return best
+
+
+def bend_legs(model: Any, q: FloatArray, feet: Sequence[Foot]) -> FloatArray:
+    """Return a standing configuration for feet.
 
     Each foot is put below its hip (the second joint of a leg with three or more, so that hips keep
     their width) at `STRETCH` of the leg's length; flat feet are also kept level. One bounded
@@ -40,15 +77,12 @@ def bend_legs(model: Any, q: FloatArray, feet: Sequence[str], flat: Sequence[boo
     q
         (nq,) starting pose [m, -, rad]; the base and all joints outside the legs stay as they are.
     feet
-        Names of the foot frames.
-    flat
-        Whether each foot is flat.
+        Which frames stand, and whether they are flat.
     """
     out = q.copy()
-    for name, level in zip(feet, flat, strict=True):
-        frame = model.getFrameId(name)
-        if joints := chain(model, frame):
-            out = _bend(model, out, q, frame, joints, level)
+    for foot in feet:
+        if joints := chain(model, foot.frame):
+            out = _bend(model, out, q, foot.frame, joints, foot.flat)
     return out
 
 
@@ -70,6 +104,8 @@ def _bend(
     high = np.minimum(model.upperPositionLimit[index], np.pi)
     high = np.maximum(high, low + 1e-6)  # a joint that its limits hold still is no unknown, but has bounds
     middle = np.clip(0.0, low, high)
+    # an ankle that cannot roll leaves the sole level only where the hip does not roll either
+    nearness = np.array([1.0, ASIDE if level and leg_rank(model, frame) < WHOLE_LEG else 1.0, 1.0])
 
     def miss(angles: FloatArray) -> FloatArray:
         full = q.copy()
@@ -79,7 +115,7 @@ def _bend(
         rest = LEAN * (angles - middle)
         tilt = pose.rotation[:, 2] - [0.0, 0.0, 1.0] if level else np.zeros(0)
         turn = pose.rotation[1, :1] if level else np.zeros(0)
-        return np.concatenate([(pose.translation - target) / length, tilt, turn, rest])
+        return np.concatenate([(pose.translation - target) * nearness / length, tilt, turn, rest])
 
     best: Any = None
     for bend in (0.6, -0.6):

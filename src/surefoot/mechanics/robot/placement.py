@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from surefoot.base.arrays import FloatArray, finite_array, of_kind
 from surefoot.base.errors import ModelError
 from surefoot.base.spatial import quaternion_from_rotation, rotation_from_quaternion, rotation_log
+from surefoot.mechanics.robot.nominal import WHOLE_LEG, leg_rank
 from surefoot.mechanics.robot.robot import Robot
 from surefoot.mechanics.robot.sole_plane import sole_plane
 from surefoot.mechanics.terrain import FlatTerrain, Terrain
@@ -19,6 +20,8 @@ SETTLED = 1e-9
 """Distances of the feet from the ground [m], and steps, that end the search."""
 POSE_WEIGHT = 2e5
 """Weight of the wanted pose against joint motion: the pose is met, by the least motion."""
+LOOSE = 1e-3
+"""Weight of the place over the ground of a sole whose leg has too few joints to choose it."""
 LEANS = (1.0, 0.75, 0.5, 0.25, 0.0)
 """Shares of the way to the feet's middle that the weight is moved; the first that the legs allow."""
 
@@ -131,10 +134,13 @@ def _place(robot: Robot, ground: Terrain, start: FloatArray, share: float) -> Fl
     if level and not ground.planar:
         ground = _UnderSoles(robot, ground, anchors)
     offset = (1.0 - share) * (robot.com(start)[:2] - _support_middle(robot, ground, anchors))
+    # a leg of few joints cannot choose where its sole lies level
+    poor = [foot.flat and leg_rank(robot.model, foot.frame) < WHOLE_LEG for foot in robot.feet]
+    holds = [LOOSE if few else 1.0 for few in poor]
     now = start.copy()
     worst = np.inf
     for _ in range(ITERATIONS):
-        residual, jacobian, worst = _miss(robot, ground, now, slope, rotation, anchors, offset)
+        residual, jacobian, worst = _miss(robot, ground, now, slope, rotation, anchors, holds, offset)
         # Least motion of the joints subject to the pose, by weight: legs with a joint to spare keep their
         # shape.
         stay = pinocchio.difference(robot.model, start, now)[6:]
@@ -163,6 +169,7 @@ def _miss(
     slope: FloatArray,
     rotation: FloatArray,
     anchors: FloatArray,
+    holds: list[float],
     offset: FloatArray,
 ) -> tuple[FloatArray, FloatArray, float]:
     """Return what a pose still misses, its Jacobian, and the worst gap [m]."""
@@ -174,7 +181,7 @@ def _miss(
     pinocchio.jacobianCenterOfMass(model, data, q, False)
     aligned = pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
     rows, values, worst = [], [], 0.0
-    for foot, anchor in zip(robot.feet, anchors, strict=True):
+    for foot, anchor, hold in zip(robot.feet, anchors, holds, strict=True):
         pose = data.oMf[foot.frame]
         J = pinocchio.getFrameJacobian(model, data, foot.frame, aligned)
         for centre in foot.centres:
@@ -188,8 +195,8 @@ def _miss(
             rows.append(normal @ (J[:3] - pinocchio.skew(arm) @ J[3:]))
             values.append(gap)
         arm = pose.rotation @ foot.centre
-        rows.extend((J[:3] - pinocchio.skew(arm) @ J[3:])[:2])
-        values.extend((pose.translation + arm)[:2] - anchor)
+        rows.extend(hold * (J[:3] - pinocchio.skew(arm) @ J[3:])[:2])
+        values.extend(hold * ((pose.translation + arm)[:2] - anchor))
         if foot.flat:  # toes along the heading
             rows.append(slope[:, 2] @ J[3:])
             values.append(float(slope[:, 1] @ pose.rotation[:, 0]))

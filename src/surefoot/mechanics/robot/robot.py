@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -17,14 +17,11 @@ from surefoot.base.libraries import import_pinocchio
 from surefoot.contact import Sole
 from surefoot.mechanics.robot import catalog
 from surefoot.mechanics.robot.contact_points import ContactPoints, contact_points
-from surefoot.mechanics.robot.foot import Foot, frame_names, read_foot, shaped_foot
+from surefoot.mechanics.robot.foot import Foot, frame_names
 from surefoot.mechanics.robot.mjcf import is_mjcf, nominal_of, read_mjcf
-from surefoot.mechanics.robot.nominal import bend_legs
 from surefoot.mechanics.robot.parser_output import parser_output
 from surefoot.mechanics.stance import Contact, PointContact, SoleContact, Stance
 from surefoot.mechanics.terrain import FlatTerrain, Terrain
-
-NOMINAL_POSES = ("standing", "half_sitting")
 
 
 class Robot:
@@ -48,6 +45,10 @@ class Robot:
         (nq,) the pose to stand in [m, -, rad], at the height where the feet touch z = 0.
     floating
         Whether the base is free.
+    missing_meshes
+        Files of collision meshes that are not there, by link; what else the robot has is as its file says.
+    notes
+        How the feet of a robot's own file were read, and what is missing, in lines; none for known robots.
     """
 
     def __init__(
@@ -56,24 +57,17 @@ class Robot:
         model: Any,
         collision: Any,
         visual: Callable[[], Any],
-        feet: Sequence[str],
+        feet: Sequence[Foot],
         nominal: FloatArray,
         floating: bool,
-        shapes: Sequence[catalog.FootShape] = (),
+        missing_meshes: Mapping[str, Sequence[str]] | None = None,
     ) -> None:
         self.name, self.model, self.collision, self._load_visual = name, model, collision, visual
         self.floating = floating
         self.nominal = nominal
-        if feet:
-            self._forward(nominal)
-        if shapes:
-            self.feet = tuple(
-                shaped_foot(model, f, s.centres, s.radius) for f, s in zip(feet, shapes, strict=True)
-            )
-        else:
-            self.feet = tuple(
-                read_foot(model, collision, f, self.data.oMf[model.getFrameId(f)].rotation) for f in feet
-            )
+        self.feet = tuple(feet)
+        self.missing_meshes = dict(missing_meshes or {})
+        self.notes: tuple[str, ...] = ()
         if floating and self.feet:
             self.nominal = nominal.copy()
             self.nominal[2] -= min(self.sphere_bottoms(nominal))
@@ -263,9 +257,14 @@ def load_robot(
     >>> round(robot.mass, 3), robot.foot_names
     (16.085, ('FL_foot', 'FR_foot', 'RL_foot', 'RR_foot'))
     """
+    from surefoot.mechanics.robot.foot_reading import FootSource, reading_notes
+    from surefoot.mechanics.robot.nominal_pose import feet_and_pose, file_pose
+    from surefoot.mechanics.robot.urdf_geometry import urdf_geometry
+
     feet = frame_names(feet)
     text = str(robot)
-    if text.lower().endswith((".urdf", ".xml")) or "/" in text:
+    is_own = text.lower().endswith((".urdf", ".xml")) or "/" in text
+    if is_own:
         path, entry, srdf = Path(text).expanduser(), catalog.CatalogEntry(text), None
         folders = [path.parent, *path.resolve().parents]
         if not path.is_file():
@@ -278,27 +277,45 @@ def load_robot(
         folders = [root, root.parent.parent]
     chosen = entry.feet if feet is None else tuple(feet)
     fixed = entry.fixed_base if fixed_base is None else fixed_base
-    model, collision, visual = _build(path, folders, fixed)
+    pinocchio = import_pinocchio()
+    model = _parse_urdf(path, [] if fixed else [pinocchio.JointModelFreeFlyer()])
+    collision, missing = urdf_geometry(model, path, pinocchio.GeometryType.COLLISION, folders)
     for joint, title in zip(list(model.joints)[1:], list(model.names)[1:], strict=True):
         if entry.unlimited and title.startswith(entry.unlimited):
             model.lowerPositionLimit[joint.idx_q], model.upperPositionLimit[joint.idx_q] = -np.pi, np.pi
     _check_feet(model, chosen, path)
     name = path.stem if path.suffix and "/" in text else text
-    shaped = entry.shapes and set(chosen) <= set(entry.feet)
-    shapes = tuple(entry.shapes[entry.feet.index(f)] for f in chosen) if shaped else ()
-    nominal = _nominal(model, collision, srdf, chosen, fixed, entry, shapes)
-    return Robot(name, model, collision, visual, chosen, nominal, not fixed, shapes)
+
+    def visual() -> Any:
+        return urdf_geometry(model, path, pinocchio.GeometryType.VISUAL, folders)[0]
+
+    source = FootSource(model, collision, visual, missing)
+    found, nominal = feet_and_pose(source, chosen, file_pose(model, srdf, entry), fixed, entry)
+    robot_read = Robot(name, model, collision, visual, found, nominal, not fixed, missing)
+    robot_read.notes = reading_notes(found, missing) if is_own else ()
+    return robot_read
 
 
 def _from_mjcf(path: Path, feet: Sequence[str], fixed_base: bool | None) -> Robot:
     """Return the robot of an MJCF file, in its first keyframe that is a nominal pose."""
+    from surefoot.mechanics.robot.foot_reading import FootSource, reading_notes
+    from surefoot.mechanics.robot.nominal_pose import feet_and_pose
+
     read = read_mjcf(path, fixed_base)
     _check_feet(read.model, feet, path)
-    nominal = nominal_of(read.poses)
-    if nominal is None:
-        entry = catalog.CatalogEntry(str(path))
-        nominal = _nominal(read.model, read.collision, None, feet, not read.floating, entry, ())
-    return Robot(path.stem, read.model, read.collision, lambda: read.collision, feet, nominal, read.floating)
+
+    def visual() -> Any:
+        return read.collision
+
+    source, entry = (
+        FootSource(read.model, read.collision, visual, read.missing_meshes),
+        catalog.CatalogEntry(str(path)),
+    )
+    found, nominal = feet_and_pose(source, feet, nominal_of(read.poses), not read.floating, entry)
+    missing = read.missing_meshes
+    robot = Robot(path.stem, read.model, read.collision, visual, found, nominal, read.floating, missing)
+    robot.notes = reading_notes(found, missing)
+    return robot
 
 
 def _check_feet(model: Any, feet: Sequence[str], path: Path) -> None:
@@ -310,24 +327,6 @@ def _check_feet(model: Any, feet: Sequence[str], path: Path) -> None:
             raise ModelError(unknown_name(f"foot frame of {path.name}", name, bodies))
     if len(set(feet)) != len(feet):
         raise ModelError(f"feet must differ, got {', '.join(feet)}")
-
-
-def _build(path: Path, folders: Sequence[Path], fixed: bool) -> tuple[Any, Any, Callable[[], Any]]:
-    """Return Pinocchio's model and collision geometry of a URDF file, and the loader of its looks."""
-    pinocchio = import_pinocchio()
-    root = [] if fixed else [pinocchio.JointModelFreeFlyer()]
-    model = _parse_urdf(path, root)
-    packages = [str(f) for f in folders]
-
-    def shapes(kind: Any) -> Any:
-        try:
-            with parser_output():
-                return pinocchio.buildGeomFromUrdf(model, str(path), kind, package_dirs=packages)
-        except (ValueError, RuntimeError):  # meshes that cannot be found: the dynamics do without
-            return pinocchio.GeometryModel()
-
-    collision = shapes(pinocchio.GeometryType.COLLISION)
-    return model, collision, lambda: shapes(pinocchio.GeometryType.VISUAL)
 
 
 def _parse_urdf(path: Path, root: Sequence[Any]) -> Any:
@@ -356,38 +355,3 @@ def _parse_urdf(path: Path, root: Sequence[Any]) -> Any:
         if (low > high).any():
             raise ModelError(f"{path}: joint {name} has its lower limit above its upper one, {low} > {high}")
     return model
-
-
-def _nominal(
-    model: Any,
-    collision: Any,
-    srdf: Path | None,
-    feet: Sequence[str],
-    fixed: bool,
-    entry: catalog.CatalogEntry,
-    shapes: Sequence[catalog.FootShape],
-) -> FloatArray:
-    """Return the SRDF's standing pose or, without one, a pose with feet under bent legs."""
-    import pinocchio
-
-    if srdf is not None:
-        pinocchio.loadReferenceConfigurations(model, str(srdf), False)
-        poses = {item.key(): np.array(item.data()) for item in model.referenceConfigurations}
-        for name in NOMINAL_POSES if entry.pose is None else (entry.pose,):
-            if name in poses:
-                for joint, title in zip(model.joints, model.names, strict=True):
-                    for end in (end for end in entry.bent if title.endswith(end)):
-                        poses[name][joint.idx_q] = entry.bent[end]
-                return poses[name]
-    q = np.array(pinocchio.neutral(model))
-    if fixed:
-        low, high = model.lowerPositionLimit, model.upperPositionLimit
-        usable = np.isfinite(low) & np.isfinite(high) & ((q < low) | (q > high))
-        with np.errstate(invalid="ignore"):  # joints without limits have no middle
-            return np.where(usable, 0.5 * (low + high), q)
-    q[3:7] = entry.upright
-    if shapes:
-        flat = [len(shape.centres) >= 3 for shape in shapes]
-    else:
-        flat = [read_foot(model, collision, name, np.eye(3)).flat for name in feet]
-    return bend_legs(model, q, feet, flat)

@@ -122,6 +122,5 @@ def stretching(robot: Robot, share: float) -> float:
 
 def leg_share(robot: Robot) -> float:
     """Return the share of a robot's mass that its legs have."""
-    frames = [robot.model.getFrameId(foot.name) for foot in robot.feet]
-    legs = {joint for frame in frames for joint in chain(robot.model, frame)}
+    legs = {joint for foot in robot.feet for joint in chain(robot.model, foot.frame)}
     return float(sum(robot.model.inertias[joint].mass for joint in legs)) / robot.mass

@@ -216,7 +216,7 @@ class LegTable:
         self._model: Any = robot.model.copy()
         self._joints, self._feet = robot.joints, []
         for foot in robot.feet:
-            frame = self._model.frames[self._model.getFrameId(foot.name)]
+            frame = self._model.frames[foot.frame]
             place = frame.placement * pinocchio.SE3(np.eye(3), foot.centre)
             kind, name = pinocchio.FrameType.OP_FRAME, f"{foot.name} centre"
             self._feet.append(self._model.addFrame(pinocchio.Frame(name, frame.parentJoint, place, kind)))

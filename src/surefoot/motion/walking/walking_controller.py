@@ -13,7 +13,6 @@ import math
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, of_kind, real_number
-from surefoot.base.errors import ModelError
 from surefoot.base.memory import Remembering
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import FlatTerrain, Robot, Terrain, composite_inertia
@@ -39,6 +38,7 @@ from surefoot.motion.walking.pace_settings import STAIR_GAIT, STAIR_PHASE
 from surefoot.motion.walking.stair_phase import StepPhase
 from surefoot.motion.walking.touchdown_detection import TouchMemory, TouchSense
 from surefoot.motion.walking.walk_state import BipedState, GaitState, PlanTimes, StepInput, WalkState
+from surefoot.motion.walking.walkable import check_point_feet
 from surefoot.motion.walking.walker import Walker
 from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand, first_stance, granted_share
 from surefoot.motion.walking.walking_feet import Feet, FeetModel, SwingRequest
@@ -90,12 +90,7 @@ class WalkingController(Walker):
         dt: float = 1e-3,
     ) -> None:
         of_kind("robot", robot, Robot)
-        flat = sum(foot.flat for foot in robot.feet)
-        if not robot.floating or len(robot.feet) < 3 or flat:
-            raise ModelError(
-                f"{robot.name} cannot walk here: that takes a free base and three or more point feet, "
-                f"it has {len(robot.feet)}{f', {flat} of them flat' if flat else ''}"
-            )
+        check_point_feet(robot)
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
         self.settings = s = settings or WalkSettings()
         self.terrain = FlatTerrain() if terrain is None else terrain

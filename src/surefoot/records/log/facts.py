@@ -153,6 +153,8 @@ FACTS: dict[str, Fact] = {
     "end_q": Fact("configuration at the end of the last row", ("nq",)),
     "end_v": Fact("velocity there", ("nv",)),
     "granted_share": Fact("least share of a velocity asked for that a walk granted"),
-    "notes": Fact("what the controller changed in its command", ("lines",), text=True),
+    "notes": Fact(
+        "how a file's feet were read, and what the controller changed in its command", ("lines",), text=True
+    ),
 }
 """Facts that Surefoot writes and reads by name; a log may hold others."""

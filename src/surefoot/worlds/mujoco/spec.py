@@ -83,6 +83,7 @@ def robot_spec(robot: Robot, payload: float = 0.0, payload_position: FloatArray 
             quat=quaternion_wxyz(quaternion_from_rotation(pose.rotation)),
         )
         bodies[index] = body
+        _check_inertia(robot.name, name, model.inertias[index])
         _set_inertia(body, model.inertias[index])
         _add_joint(mujoco, body, model, index, name)
     if payload > 0.0:
@@ -114,6 +115,22 @@ def compile_spec(spec: Any, name: str | Path) -> Any:
         return spec.compile()
     except ValueError as error:
         raise ModelError(f"MuJoCo cannot simulate {name}: {mujoco_line(error)}") from error
+
+
+def _check_inertia(robot: str, joint: str, inertia: Any) -> None:
+    """Refuse what MuJoCo refuses of a link, in words: no mass, and moments of inertia that no mass has."""
+    if not inertia.mass > 1e-15:
+        raise ModelError(
+            f"MuJoCo cannot simulate {robot}: the link that hangs on joint {joint} has no mass. Give it some "
+            "in the file, or take --world rigid, which takes it as it is"
+        )
+    low, middle, high = np.maximum(np.linalg.eigvalsh(inertia.inertia), 1e-12)
+    if low + middle < high * (1.0 - 1e-12):
+        raise ModelError(
+            f"MuJoCo cannot simulate {robot}: what hangs on joint {joint} has the moments of inertia "
+            f"{low:.3g}, {middle:.3g} and {high:.3g} kg m², and in no body one is larger than the other two "
+            "together. Mend the inertia in the file, or take --world rigid, which takes it as it is"
+        )
 
 
 def _set_inertia(body: Any, inertia: Any) -> None:

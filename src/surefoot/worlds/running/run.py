@@ -154,6 +154,8 @@ def _recorder(
         "outcome": str(Ending.INTERRUPTED),  # until the run has ended in another way
         "wall_time": float("nan"),
     }
+    if robot.notes:
+        facts["notes"] = [*robot.notes, *facts.get("notes", ())]
     shared = _SHARED if world.contacts().others is None else (*_SHARED, "other_forces")
     if getattr(world, "actuators", None) is not None:
         shared = (*shared, "torques_commanded")

@@ -13,7 +13,7 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.libraries import import_pinocchio
-from surefoot.mechanics import FootShape, Robot
+from surefoot.mechanics import Robot, shaped_foot
 
 UNDRIVEN = ("base_x", "base_z", "base_pitch")
 """Joints of a base: two slides and a hinge without motor."""
@@ -105,8 +105,8 @@ def _model(name: str) -> Any:
 def _robot(model: Any, feet: Sequence[str], radii: Sequence[float], nominal: Sequence[float]) -> Robot:
     """Return a model as a robot whose feet are spheres about frames."""
     empty, q = import_pinocchio().GeometryModel, np.array(nominal)
-    shapes = tuple(FootShape(((0.0, 0.0, 0.0),), radius) for radius in radii)
-    robot = Robot(model.name, model, empty(), empty, feet, q, False, shapes)
+    shaped = [shaped_foot(model, f, [(0.0, 0.0, 0.0)], radius) for f, radius in zip(feet, radii, strict=True)]
+    robot = Robot(model.name, model, empty(), empty, shaped, q, False)
     robot.nominal = q.copy()
     return robot
 

@@ -46,6 +46,7 @@ from surefoot.motion.walking.force_planner import ForcePlan, Ramps
 from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.load_adaptation import LoadAdaptation
 from surefoot.motion.walking.walk_state import BipedState, GaitState, PlanTimes, StepInput, WalkState
+from surefoot.motion.walking.walkable import check_soles
 from surefoot.motion.walking.walker import Walker
 from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand, granted_share, limit_command
 from surefoot.motion.walking.walking_feet import Feet, SwingRequest
@@ -103,8 +104,7 @@ class BipedController(Walker):
         settings: BipedSettings | None = None,
         dt: float = 1e-3,
     ) -> None:
-        if not robot.floating or len(robot.feet) != 2 or not all(f.flat for f in robot.feet):
-            raise ModelError(f"{robot.name} cannot walk here: it needs a free base and two flat feet")
+        check_soles(robot)
         if (share := leg_share(robot)) > BIPED_WALK.heavy_legs:
             raise ModelError(
                 f"{robot.name} cannot walk here: its legs have {share:.0%} of its mass, and steps are "

@@ -1,0 +1,86 @@
+"""Flat outlines: hulls, their area, and the largest rectangle inside."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surefoot.base.arrays import FloatArray
+
+CUTS = 65
+"""Lines across an outline between which rectangles are sought, besides those through its corners."""
+ROUNDING = 1e-9
+"""Extents below this are none [m]."""
+
+
+def hull_of(points: FloatArray) -> FloatArray:
+    """Return the corners of the hull of (k, 2) points, around it; both ends, or one, of flat ones."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    middle = points.mean(axis=0)
+    _, spread, axes = np.linalg.svd(points - middle, full_matrices=False)
+    along = (points - middle) @ axes[0]
+    ends = points[[int(along.argmin()), int(along.argmax())]]
+    if len(points) < 3 or spread.size < 2 or spread[1] < ROUNDING:
+        return ends if np.ptp(along) > ROUNDING else ends[:1]
+    try:
+        return np.asarray(points[ConvexHull(points).vertices])
+    except QhullError:
+        return ends
+
+
+def cut_of(points: FloatArray, height: float) -> FloatArray:
+    """Return where the edges of the hull of (k, 3) points go through a height: (m, 2), none for flat ones."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    if len(points) < 4 or points[:, 2].max() <= height:
+        return np.zeros((0, 2))
+    try:
+        faces = ConvexHull(points).simplices
+    except QhullError:
+        return np.zeros((0, 2))
+    a, b = points[faces].reshape(-1, 3), points[np.roll(faces, -1, axis=1)].reshape(-1, 3)
+    through = (a[:, 2] <= height) & (b[:, 2] > height) | (b[:, 2] <= height) & (a[:, 2] > height)
+    a, b = a[through], b[through]
+    return np.asarray(a[:, :2] + ((height - a[:, 2]) / (b[:, 2] - a[:, 2]))[:, None] * (b - a)[:, :2])
+
+
+def area_of(corners: FloatArray) -> float:
+    """Return the area inside (k, 2) corners around an outline [m²]."""
+    x, y = (corners - corners.mean(axis=0)).T
+    return 0.5 * float(abs(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)))
+
+
+def inner_rectangle(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the corners, (2,) each, of the largest rectangle along the axes in (k, 2) corners of a hull [m].
+
+    Exact for outlines whose largest rectangle has its sides through corners; else to a cut's width.
+    """
+    x = corners[:, 0]
+    cuts = np.unique(np.concatenate([x, np.linspace(x.min(), x.max(), CUTS)]))
+    low, high = _chords(corners, cuts)
+    top = np.minimum(high[:, None], high[None, :])
+    bottom = np.maximum(low[:, None], low[None, :])
+    areas = np.where(top > bottom, (top - bottom) * (cuts[None, :] - cuts[:, None]), 0.0)
+    i, j = np.unravel_index(int(areas.argmax()), areas.shape)
+    return np.array([cuts[i], bottom[i, j]]), np.array([cuts[j], top[i, j]])
+
+
+def _chords(corners: FloatArray, cuts: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return where lines x = cut meet a convex outline: lowest and highest y of each."""
+    low, high = np.full(len(cuts), np.inf), np.full(len(cuts), -np.inf)
+    for (x0, y0), (x1, y1) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        on = (cuts >= min(x0, x1) - ROUNDING) & (cuts <= max(x0, x1) + ROUNDING)
+        if abs(x1 - x0) < ROUNDING:
+            ys = np.array([y0, y1])
+            low[on], high[on] = np.minimum(low[on], ys.min()), np.maximum(high[on], ys.max())
+            continue
+        y = y0 + np.clip((cuts[on] - x0) / (x1 - x0), 0.0, 1.0) * (y1 - y0)
+        low[on], high[on] = np.minimum(low[on], y), np.maximum(high[on], y)
+    return low, high
+
+
+def turned_rectangle(corners: FloatArray, turn: float) -> tuple[float, FloatArray, FloatArray]:
+    """Return area [m²] and corners, (2,) each, of the largest rectangle in (k, 2) corners, turned [rad]."""
+    c, s = np.cos(turn), np.sin(turn)
+    low, high = inner_rectangle(corners @ np.array([[c, -s], [s, c]]))
+    return float(np.prod(high - low)), low, high
