@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal, TypeAlias
 
@@ -170,6 +171,8 @@ class AuditReport:
         What happened and why; `str(story)` is a paragraph.
     log
         What was audited, for pictures.
+    episodes
+        A report of each episode, where the state was reset in between; empty where it never was.
     """
 
     verdict: Judgement
@@ -191,6 +194,7 @@ class AuditReport:
     limits: AuditLimits = LIMITS
     story: Story = field(default_factory=Story)
     log: Log | None = field(default=None, repr=False, compare=False)
+    episodes: tuple[AuditReport, ...] = ()
 
     def __str__(self) -> str:
         physics = self._physics
@@ -222,7 +226,16 @@ class AuditReport:
         task = {"attained": "; the task was attained", "failed": f"; the task failed: {self.task_reason}"}
         asked = f"; the command: {self.command[0]}" if self.command else ""
         why = "" if self.first_cause is None else f"; first cause: {self.first_cause}"
-        return self._physics + task.get(self.task, "") + asked + why
+        return self._several + self._physics + task.get(self.task, "") + asked + why
+
+    @property
+    def _several(self) -> str:
+        """What came of several episodes."""
+        if not self.episodes:
+            return ""
+        counts = Counter(one.verdict for one in self.episodes)
+        told = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
+        return f"{len(self.episodes)} episodes, {told}; "
 
     @property
     def passed(self) -> bool:
@@ -263,6 +276,7 @@ class AuditReport:
 
     def as_dict(self) -> dict[str, Any]:
         """Return everything but the limits and the log by name, for JSON."""
-        found = {"sentence": self.sentence, **asdict(replace(self, log=None))}
+        found = {"sentence": self.sentence, **asdict(replace(self, log=None, episodes=()))}
+        found["episodes"] = [one.as_dict() for one in self.episodes]
         del found["limits"], found["log"]
         return found

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from surefoot.base.arrays import IntArray
 from surefoot.base.errors import ProblemError
 
 
@@ -130,6 +131,7 @@ FACTS: dict[str, Fact] = {
     "model_geom_orientations": Fact("of the shapes there, quaternion w, x, y, z", ("geoms", 4)),
     "model_actuators": Fact("names of the model's actuators", ("actuators",), text=True),
     "episode_rows": Fact("first row of every episode, where the state was reset", ("episodes",)),
+    "unseen_steps": Fact("places in which time moved without a step that the recorder saw"),
     "change_row": Fact("first row after each change of the model", ("changes",)),
     "change_time": Fact("when the loop changed its model [s]", ("changes",)),
     "change_kind": Fact("what of it: mass, gain, torque limit, friction", ("changes",), text=True),
@@ -194,4 +196,17 @@ def facts_of_rows(
     if end < rows:
         out.pop("error", None)
         out["outcome"] = "done"
+    return out
+
+
+def facts_of_selection(facts: Mapping[str, Any], rows: IntArray) -> dict[str, Any]:
+    """Return facts whose row numbers are those in a selection, (k,) numbers of rows in their order."""
+    out = dict(facts)
+    starts = np.atleast_1d(out.pop("episode_rows")).astype(np.int64)
+    episode = np.searchsorted(starts, rows, side="right")
+    begins = np.flatnonzero(np.diff(episode, prepend=-1))
+    if len(begins) > 1:
+        out["episode_rows"] = begins
+    if "change_row" in out:
+        out["change_row"] = np.searchsorted(rows, np.atleast_1d(out["change_row"]))
     return out

@@ -15,7 +15,7 @@ from surefoot.base.arrays import of_kind
 from surefoot.base.errors import ProblemError, check_name
 from surefoot.base.text_files import path_of
 from surefoot.records.log.channels import CHANNELS, Channel, check_shapes
-from surefoot.records.log.facts import FACTS, facts_of_rows
+from surefoot.records.log.facts import FACTS, facts_of_rows, facts_of_selection
 from surefoot.records.log.formats import write_log
 
 
@@ -125,7 +125,10 @@ class Log:
     def rows(self, which: Any) -> Log:
         """Return the log of some rows: a slice or a (T,) mask."""
         arrays = {name: array[which] for name, array in self.arrays.items()}
-        return Log(arrays, self.facts, channels=self.channels)
+        facts = self.facts
+        if "episode_rows" in facts:
+            facts = facts_of_selection(facts, np.arange(len(self))[which])
+        return Log(arrays, facts, channels=self.channels)
 
     def chunks(self, rows: int = 1 << 16) -> Iterator[Log]:
         """Yield the log in pieces of consecutive rows; a log of at most `rows` rows as it is."""

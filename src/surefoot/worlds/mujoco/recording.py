@@ -208,6 +208,8 @@ class Recording(Log):
             ]
         if len(self._episodes) > 1:
             facts["episode_rows"] = np.array(self._episodes)
+        if self._unseen:
+            facts["unseen_steps"] = self._unseen
         if error:
             facts["error"] = error
         return facts
