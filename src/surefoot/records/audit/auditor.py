@@ -135,7 +135,7 @@ def _coverage(log: Log, setting: Setting) -> dict[str, str]:
         if not why and check.name in OF_ONE_MASS and "mass" in log.facts.get("change_kind", ()):
             why = "the loop changed masses of its model"
         if not why and check.name in FROM_ROW_TO_ROW:
-            why = setting.lost_rows
+            why = setting.missing_rows
         out[check.name] = why or check.doubt(log, setting)
     return out
 

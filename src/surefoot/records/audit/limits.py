@@ -148,20 +148,6 @@ class RecordLimits(Settings):
     missing_step: float = setting(
         5.5, "dt", "step of the clock from which rows are lost", low=1.0, tuned=VARIED + "1.833 to 16.5"
     )
-    lost_share: float = setting(
-        0.05,
-        "-",
-        "share of a log's steps that are several of its usual ones, from which rows count as lost",
-        low=0.0,
-        tuned="judgement, not measured: real recorders drop single rows, loops that miss every n-th lose 1 / n",
-    )
-    even: float = setting(
-        0.1,
-        "-",
-        "share of a step by which a time stamp may differ from a whole number of steps",
-        low=0.0,
-        tuned="judgement, not measured",
-    )
     known_step_low: float = setting(
         0.2,
         "dt",

@@ -17,8 +17,8 @@ from surefoot.records.audit.dynamics import MOTOR_FACTS
 from surefoot.records.audit.ground import ground_plane
 from surefoot.records.audit.laws import stated
 from surefoot.records.audit.limits import LIMITS, AuditLimits
-from surefoot.records.audit.lost_rows import find_lost_rows
 from surefoot.records.audit.logged_robot import LoggedRobot, from_recording, from_robot
+from surefoot.records.audit.missing_rows import find_missing_rows
 from surefoot.records.audit.row_velocities import MEANS, forces_late, velocities_after
 from surefoot.records.log import Log
 from surefoot.records.log.snapshot import point_names
@@ -79,8 +79,8 @@ class Setting:
         Where the log contradicts itself, a line each: such a log is never lawful.
     limits
         What the log is judged by.
-    lost_rows
-        Which rows the log lacks, see `find_lost_rows`: laws from row to row cannot be judged.
+    missing_rows
+        Which rows the log lacks, see `find_missing_rows`: laws from row to row cannot be judged.
     """
 
     names: tuple[str, ...]
@@ -103,7 +103,7 @@ class Setting:
     notes: tuple[str, ...] = field(default=())
     doubts: tuple[str, ...] = field(default=())
     limits: AuditLimits = LIMITS
-    lost_rows: str = ""
+    missing_rows: str = ""
 
     @property
     def threshold(self) -> float:
@@ -146,7 +146,7 @@ def setting_of(log: Log, robot: Robot | None, limits: AuditLimits = LIMITS) -> S
     dt = float(np.median(good)) if good.size else stated_dt
     if stated_dt and good.size and abs(stated_dt - dt) > limits.records.same_dt * dt:
         doubts.append(f"the log says dt = {stated_dt:g} s, its time stamps {dt:g} s")
-    lost = find_lost_rows(log, good, limits.records)
+    lost = find_missing_rows(log, good)
     doubts += [lost] if lost else []
     for name in REAL.intersection(log.facts):
         finite_array(f"the fact {name}", log.fact(name))

@@ -19,8 +19,8 @@ def join_episodes(log: Log, reports: Sequence[AuditReport]) -> AuditReport:
     log
         The whole.
     reports
-        Of its episodes, in their order. One with fewer rows than `least_rows` that breaks no law has nothing to
-        say, as long as another has.
+        Of its episodes, in their order. One with fewer rows than `least_rows` that breaks no law has nothing
+        to say, as long as another has.
     """
     long = [one for one in reports if one.rows >= one.limits.records.least_rows or one.verdict == "broken"]
     worst = min(long or reports, key=lambda one: SEVERITY[one.verdict])

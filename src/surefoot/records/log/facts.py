@@ -161,9 +161,7 @@ FACTS: dict[str, Fact] = {
 """Facts that Surefoot writes and reads by name; a log may hold others."""
 
 
-def facts_of_rows(
-    facts: Mapping[str, Any], episode: int, first: int, end: int, rows: int
-) -> dict[str, Any]:
+def facts_of_rows(facts: Mapping[str, Any], episode: int, first: int, end: int, rows: int) -> dict[str, Any]:
     """Return the facts of one episode of a log.
 
     Parameters

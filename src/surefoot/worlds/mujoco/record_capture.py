@@ -246,7 +246,7 @@ class RawBlock:
         return name in self._fields
 
     def state(self, row: int) -> FloatArray | None:
-        """Return MuJoCo's whole state after a step; None where it is not kept."""
+        """Return MuJoCo's whole state (k,) after a step; None where it is not kept."""
         return self["state"][row] if "state" in self else self._states.get(row)
 
     def constraint(self, number: int) -> tuple[FloatArray, FloatArray]:

@@ -58,7 +58,7 @@ class OuterContacts(NamedTuple):
 
 
 def contact_rows(model: Any, raw: RawBlock, at: BodyVelocities, outer: OuterContacts) -> FloatArray:
-    """Return contacts as rows, but for their creep."""
+    """Return contacts as rows (c, `FIELDS`), but for their creep."""
     contacts = raw.contacts[outer.which]
     normal = outer.sign[:, None] * outer.axes[:, 0]
     frames = frames_on(normal)
@@ -88,7 +88,7 @@ def relative_velocities(
 
 
 def decoded_forces(raw: RawBlock, pyramids: bool) -> FloatArray:
-    """Return MuJoCo's contact forces and moments (c, 6) in its own contact axes, from its constraints' forces.
+    """Return contact forces and moments (c, 6) in MuJoCo's contact axes, from its constraints' forces.
 
     A pyramid's are sums over its edges, n ± mu t each.
     """
@@ -108,7 +108,7 @@ def decoded_forces(raw: RawBlock, pyramids: bool) -> FloatArray:
 def mean_rows(
     step: IntArray, slot: IntArray, rows: FloatArray, weight: FloatArray
 ) -> tuple[IntArray, IntArray, FloatArray]:
-    """Return what the contacts were in whole steps: mean forces, gaps at the first touch of each."""
+    """Return what contacts (c, `FIELDS`) were in whole steps: mean forces, gaps at the first touch of each."""
     keys, first, group = np.unique(np.stack([step, slot]), axis=1, return_index=True, return_inverse=True)
     group = group.reshape(-1)
     mean, loads = rows[first].copy(), weight * np.linalg.norm(rows[:, :3], axis=1)

@@ -32,6 +32,7 @@ from surefoot.worlds.mujoco.record_softness import (
     soft_contact,
 )
 
+
 @dataclass
 class Slot:
     """A contact point of the log: two geoms, and which of their contacts.
@@ -97,7 +98,7 @@ class Slots:
         return len(self._slots)
 
     def sort(self, raw: RawBlock) -> tuple[IntArray, IntArray]:
-        """Return which contacts are between the robot and anything else, and which inside the robot."""
+        """Return which contacts are between the robot and anything else (c,), and which inside the robot (k,)."""
         geom = raw.contacts["geom"]
         real = (geom >= 0).all(axis=1) & (raw.contacts["exclude"] == 0)  # flex, or a gap that gives no force
         own, fixed = self._robot[geom], self._mount[geom]
@@ -128,7 +129,9 @@ class Slots:
         self.inner += len(which)
         if len(which):
             row = raw.contact_row[which]
-            size = np.linalg.norm(decoded_forces(raw, self._pyramids)[which, :3], axis=1) * instants.weight[row]
+            size = (
+                np.linalg.norm(decoded_forces(raw, self._pyramids)[which, :3], axis=1) * instants.weight[row]
+            )
             step = instants.step[row]
             np.add.at(total, step, size)
             order = np.lexsort((np.arange(len(size)), size, step))  # the hardest of a step is its last
@@ -136,7 +139,7 @@ class Slots:
         return total, bodies
 
     def outer(self, raw: RawBlock, which: IntArray) -> OuterContacts:
-        """Return what is known of contacts with anything else without kinematics.
+        """Return what is known without kinematics of contacts with anything else, (c,) numbers in their block.
 
         MuJoCo's force acts on its second geom, along its normal first.
         """

@@ -49,7 +49,7 @@ class MemoryTable:
 
 
 @inline_kernel
-def _copied(base: FloatArray, parts: IntArray, out: FloatArray, at: int) -> int:
+def _copy_into(base: FloatArray, parts: IntArray, out: FloatArray, at: int) -> int:
     """Copy the parts of a memory behind each other, and return where they end."""
     end = 0
     for k in range(len(parts)):
@@ -66,7 +66,7 @@ def _copied(base: FloatArray, parts: IntArray, out: FloatArray, at: int) -> int:
 @kernel
 def copy_parts(base: FloatArray, parts: IntArray, out: FloatArray) -> None:
     """Copy the parts of a memory behind each other into (n,) `out`."""
-    _copied(base, parts, out, 0)
+    _copy_into(base, parts, out, 0)
 
 
 @kernel
@@ -110,7 +110,7 @@ def copy_step(
     row = flat[at]
     for i in range(len(start)):
         row[i] = start[i]
-    own = _copied(base, parts, row, len(start))
+    own = _copy_into(base, parts, row, len(start))
     times[at, 0], times[at, 1] = time, step
     places[at, 0], places[at, 1], places[at, 2] = contacts, ncon, rows
     places[at, 3], places[at, 4], places[at, 5] = nefc, scheme, 0

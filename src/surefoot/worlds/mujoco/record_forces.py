@@ -118,7 +118,7 @@ class TreeForces:
         arms = at.centres[:, bodies] - at.com[:, None]
         out[:, 3:] += np.cross(arms, wrenches[..., :3]).sum(axis=1)
         out[:, :3] += self._gained_weight()
-        return out
+        return np.asarray(out)
 
     def _implicit_damping(self, raw: RawBlock, change: FloatArray) -> FloatArray:
         """Return the forces (n, nv) that steps take implicitly at their ends.

@@ -24,16 +24,16 @@ class StepWatcher(Protocol):
     """Takes note of what happens to a data."""
 
     def begin_step(self) -> None:
-        """A step of time begins."""
+        """Keep the state that a step of time starts from."""
 
     def end_step(self, scheme: Scheme | None) -> None:
-        """A step of time was made, by a scheme or the model's own."""
+        """Record a step of time that was made by a scheme, None for the model's own."""
 
     def look(self) -> None:
-        """Nothing moved yet."""
+        """Compare the clock with what it was after the last step."""
 
     def end_episode(self) -> None:
-        """The state was reset."""
+        """End the episode: the state was reset."""
 
 
 class StepHooks:

@@ -208,14 +208,14 @@ class Kinematics:
         self._make_mass = getattr(mujoco, "mj_makeM", mujoco.mj_crb)  # tendons' rotors are in the first alone
 
     def trace(self, instants: Instants, contacts: tuple[IntArray, FloatArray, FloatArray, IntArray]) -> None:
-        """Go through instants, with a contact each of the second: row, world force, place and body."""
+        """Go through instants; `contacts` are row (c,), world force (c, 3) [N], place (c, 3) [m] and body (c,)."""
         mujoco, model, data, raw = self._mujoco, self._model, self._data, instants.raw
         n, nv = len(raw), model.nv
         q, v, mocap = raw["start_qpos"], raw["start_qvel"], model.nmocap > 0
         own = np.zeros((n, nv))
         own[:, self._tree.dofs] = v[:, self._tree.dofs]
         qpos, qvel, crowd = data.qpos, data.qvel, raw["xfrc_applied"]
-        pushes = crowd[:, self._tree.bodies].any(axis=(1, 2)) if model.nbody else np.zeros(n, bool)
+        pushes = np.any(crowd[:, self._tree.bodies], axis=(1, 2)).tolist()
         row, force, place, body = contacts
         ends = np.searchsorted(row, np.arange(n + 1)).tolist()
         bodies, none, apply = body.tolist(), np.zeros(3), mujoco.mj_applyFT
@@ -235,7 +235,8 @@ class Kinematics:
                 apply(model, data, force[c], none, place[c], bodies[c], self._logged)
             self._pushed.fill(0.0)
             if pushes[i]:
-                for b in self._tree.bodies[crowd[i, self._tree.bodies].any(axis=1)].tolist():
+                pushed = np.flatnonzero(np.any(crowd[i, self._tree.bodies], axis=1))
+                for b in self._tree.bodies[pushed].tolist():
                     apply(model, data, crowd[i, b, :3], crowd[i, b, 3:], data.xipos[b], b, self._pushed)
             np.concatenate(self._parts, out=flat[i])
         self._unpack(flat)

@@ -96,7 +96,9 @@ class ModelWatch:
             "actuator_forcerange": ("torque limit", kinds.mjOBJ_ACTUATOR, 1),
             "geom_friction": ("friction", kinds.mjOBJ_GEOM, 0),
         }
-        starts = dict(zip(WATCHED, np.cumsum([0, *(view.size for view in self._views)]).tolist(), strict=False))
+        starts = dict(
+            zip(WATCHED, np.cumsum([0, *(view.size for view in self._views)]).tolist(), strict=False)
+        )
         for (_, _, last), (step, time, now) in pairwise(self.versions):
             for array, (kind, owner, column) in told.items():
                 view = getattr(model, array)

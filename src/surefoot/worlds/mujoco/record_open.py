@@ -45,9 +45,7 @@ class OpenContacts:
         for first in range(0, len(rows), ROWS):
             self._fill_rows(rows[first : first + ROWS].tolist(), qpos, qvel, points)
 
-    def _fill_rows(
-        self, rows: list[int], qpos: FloatArray, qvel: FloatArray, points: dict[str, Any]
-    ) -> None:
+    def _fill_rows(self, rows: list[int], qpos: FloatArray, qvel: FloatArray, points: dict[str, Any]) -> None:
         """Fill some rows: places and gaps one by one, speeds together."""
         mujoco, model, data, gaps = self._mujoco, self._model, self._data, points["gaps"]
         cvel, centres = (np.zeros((len(rows), *a.shape)) for a in (data.cvel, data.subtree_com))
@@ -72,7 +70,8 @@ class OpenContacts:
         row, time, slot_of = np.array(at).T
         velocities = relative_velocities(
             model, SimpleNamespace(cvel=cvel, subtree_com=centres), row,
-            np.array([slot.pair for slot in self._slots])[slot_of], points["contact_positions"][time, slot_of],
+            np.array([slot.pair for slot in self._slots])[slot_of],
+            points["contact_positions"][time, slot_of],
         )  # fmt: skip
         frames = frames_on(points["normals"][time, slot_of])
         points["contact_velocities"][time, slot_of] = np.einsum("cji,cj->ci", frames, velocities)

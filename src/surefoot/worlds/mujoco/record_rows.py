@@ -111,7 +111,7 @@ class RecordedRows:
         }  # fmt: skip
 
     def channels(self) -> dict[str, FloatArray]:
-        """Return all rows so far, name by name; states in MuJoCo's order."""
+        """Return all rows so far, name to array (T, ...); states in MuJoCo's order."""
         self.work_out()
         if not self._blocks:
             return {}

@@ -2,8 +2,8 @@
 
 Inside ``with record(model, data) as log:`` every step of that data is seen that Python asks MuJoCo for. At
 the end `log` holds a row per step: state at its start, torques and contact forces during it. What MuJoCo
-computes is copied from the data of the step itself, a few microseconds each; laws, momentum and gaps are worked out
-when the log is first read.
+computes is copied from the data of the step itself, a few microseconds each; momentum and gaps are worked
+out when the log is first read.
 """
 
 from __future__ import annotations
@@ -153,7 +153,7 @@ class Recording(Log):
         points = slots.arrays(len(arrays["time"]))
         q, v = arrays.pop("q"), arrays.pop("v")
         OpenContacts(self._mujoco, model, slots.points).fill(q, v, points)
-        self._drop_what_says_nothing(arrays)
+        self._leave_out_empty_channels(arrays)
         arrays |= points
         arrays["q"], arrays["v"] = tree.pinocchio(q, v)
         friction = arrays["contact_friction"]
@@ -179,7 +179,7 @@ class Recording(Log):
         Log.__init__(self, arrays, {k: f for k, f in facts.items() if np.size(f)})
         self.facts["doubts"] = [*self._own_doubts(), *self._found_doubts()]
 
-    def _drop_what_says_nothing(self, arrays: dict[str, Any]) -> None:
+    def _leave_out_empty_channels(self, arrays: dict[str, Any]) -> None:
         """Leave out what no actuator, push, inner contact or solver fills."""
         if not (self._rows.asked.known and self._tree.joints):
             del arrays["torques_commanded"]

@@ -5,11 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
-from surefoot.records.audit.limits import RecordLimits
 from surefoot.records.log import Log
 
+MISSING_SHARE = 0.05
+"""Share of a log's steps that are several of its usual ones, from which rows count as missing [-].
 
-def find_lost_rows(log: Log, steps: FloatArray, limits: RecordLimits) -> str:
+A judgement: real recorders drop single rows, a loop that misses every n-th loses 1 / n.
+"""
+EVEN = 0.1
+"""Share of a usual step by which a step may differ from a whole number of them [-]; a judgement."""
+
+
+def find_missing_rows(log: Log, steps: FloatArray) -> str:
     """Return which rows a log lacks, in words; "" where it lacks none.
 
     Parameters
@@ -19,8 +26,6 @@ def find_lost_rows(log: Log, steps: FloatArray, limits: RecordLimits) -> str:
     steps
         (k,) the positive steps of its clock [s]. Rows are lost where most are whole numbers of a usual step,
         and too many of them two or more; a clock that jitters says nothing.
-    limits
-        `lost_share` and `even`.
     """
     unseen = int(np.max(log.facts.get("unseen_steps", 0)))
     if unseen:
@@ -30,11 +35,11 @@ def find_lost_rows(log: Log, steps: FloatArray, limits: RecordLimits) -> str:
     usual = float(np.quantile(steps, 0.25, method="lower"))
     ratio = steps / usual
     whole = np.rint(ratio)
-    regular = np.abs(ratio - whole) <= limits.even
+    regular = np.abs(ratio - whole) <= EVEN
     several = regular & (whole >= 2.0)
-    if several.mean() < limits.lost_share or regular.mean() < 1.0 - limits.lost_share:
+    if several.mean() < MISSING_SHARE or regular.mean() < 1.0 - MISSING_SHARE:
         return ""
     return (
-        f"rows are uneven: {int(several.sum())} of {steps.size} are {usual:g} s times 2 or more apart, the others "
-        f"{usual:g} s; those between are missing"
+        f"rows are uneven: most are {usual:g} s apart, {int(several.sum())} of {steps.size} two or more "
+        "times that; those between are missing"
     )
