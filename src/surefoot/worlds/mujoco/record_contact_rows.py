@@ -58,7 +58,7 @@ class OuterContacts(NamedTuple):
 
 
 def contact_rows(model: Any, raw: RawBlock, at: BodyVelocities, outer: OuterContacts) -> FloatArray:
-    """Return contacts as rows (c, `FIELDS`), but for their creep."""
+    """Return contacts as rows (c, 19), but for their creep."""
     contacts = raw.contacts[outer.which]
     normal = outer.sign[:, None] * outer.axes[:, 0]
     frames = frames_on(normal)
@@ -108,7 +108,7 @@ def decoded_forces(raw: RawBlock, pyramids: bool) -> FloatArray:
 def mean_rows(
     step: IntArray, slot: IntArray, rows: FloatArray, weight: FloatArray
 ) -> tuple[IntArray, IntArray, FloatArray]:
-    """Return what contacts (c, `FIELDS`) were in whole steps: mean forces, gaps at the first touch of each."""
+    """Return what (c, 19) contacts were in whole steps: mean forces, gaps at the first touch of each."""
     keys, first, group = np.unique(np.stack([step, slot]), axis=1, return_index=True, return_inverse=True)
     group = group.reshape(-1)
     mean, loads = rows[first].copy(), weight * np.linalg.norm(rows[:, :3], axis=1)

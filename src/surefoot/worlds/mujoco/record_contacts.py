@@ -98,7 +98,7 @@ class Slots:
         return len(self._slots)
 
     def sort(self, raw: RawBlock) -> tuple[IntArray, IntArray]:
-        """Return which contacts are between the robot and anything else (c,), and which inside the robot (k,)."""
+        """Return which contacts (c,) are of the robot with anything else, and which (k,) inside the robot."""
         geom = raw.contacts["geom"]
         real = (geom >= 0).all(axis=1) & (raw.contacts["exclude"] == 0)  # flex, or a gap that gives no force
         own, fixed = self._robot[geom], self._mount[geom]
@@ -139,7 +139,7 @@ class Slots:
         return total, bodies
 
     def outer(self, raw: RawBlock, which: IntArray) -> OuterContacts:
-        """Return what is known without kinematics of contacts with anything else, (c,) numbers in their block.
+        """Return what is known without kinematics of (c,) contacts with anything else.
 
         MuJoCo's force acts on its second geom, along its normal first.
         """

@@ -208,7 +208,7 @@ class Kinematics:
         self._make_mass = getattr(mujoco, "mj_makeM", mujoco.mj_crb)  # tendons' rotors are in the first alone
 
     def trace(self, instants: Instants, contacts: tuple[IntArray, FloatArray, FloatArray, IntArray]) -> None:
-        """Go through instants; `contacts` are row (c,), world force (c, 3) [N], place (c, 3) [m] and body (c,)."""
+        """Go through instants; contacts are rows (c,), forces (c, 3) [N], places (c, 3) [m], bodies (c,)."""
         mujoco, model, data, raw = self._mujoco, self._model, self._data, instants.raw
         n, nv = len(raw), model.nv
         q, v, mocap = raw["start_qpos"], raw["start_qvel"], model.nmocap > 0
