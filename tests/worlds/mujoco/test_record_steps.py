@@ -128,7 +128,7 @@ def test_uneven_rows_of_any_log_reach_the_verdict() -> None:
     assert "uneven" not in sf.audit_log(shaken).reason
 
 
-@pytest.mark.parametrize("reset", ["mujoco", "by hand"])
+@pytest.mark.parametrize("reset", ["mujoco", "by hand", "the state alone"])
 def test_a_reset_ends_an_episode(reset: str, tmp_path: Path) -> None:
     model, data = made()
     with sf.record(model, data) as log:
@@ -136,7 +136,9 @@ def test_a_reset_ends_an_episode(reset: str, tmp_path: Path) -> None:
             if k in (100, 200) and reset == "mujoco":
                 mujoco.mj_resetData(model, data)
             elif k in (100, 200):
-                data.qpos[:], data.qvel[:], data.time = model.qpos0, 0.0, 0.0
+                data.qpos[:], data.qvel[:] = model.qpos0, 0.0
+                data.qpos[2] += 0.1
+                data.time *= reset == "the state alone"
             mujoco.mj_step(model, data)
     assert [len(part) for part in log.episodes] == [100, 100, 100]
     assert not any("backward" in doubt for doubt in log.doubts)
@@ -148,6 +150,16 @@ def test_a_reset_ends_an_episode(reset: str, tmp_path: Path) -> None:
     assert [len(part) for part in again.episodes] == [100, 100, 100]
     assert sf.audit_log(again).as_dict() == report.as_dict()
     assert [len(part) for part in log.rows(slice(50, 150)).episodes] == [50, 50]
+
+
+def test_a_trunk_that_is_held_in_place_is_no_reset() -> None:
+    model, data = made()
+    with sf.record(model, data) as log:
+        for _ in range(100):
+            data.qpos[2] = 0.5 if data.qpos[2] < 0.49 else data.qpos[2]
+            data.qpos[0] += 0.1
+            mujoco.mj_step(model, data)
+    assert len(log.episodes) == 1
 
 
 def test_a_broken_episode_is_the_verdict() -> None:

@@ -103,6 +103,7 @@ class RecordedRows:
         return {
             "time": block.time.copy(),
             "q": block["start_qpos"].copy(), "v": block["start_qvel"].copy(),
+            "end_q": block["end_qpos"].copy(),
             "torques": tree.torques(block["qfrc_actuator"], block["qfrc_applied"]),
             "torques_commanded": self.asked.read(block),
             "pushed_body": tree.pushed_place(block["xfrc_applied"]).astype(np.float64),

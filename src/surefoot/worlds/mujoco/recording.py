@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
 from surefoot.records import Ending, Log, find_doubts
 from surefoot.worlds.mujoco.mujoco_world import import_mujoco
@@ -25,6 +26,15 @@ from surefoot.worlds.mujoco.record_tree import BodyTree
 
 _READ_LATER = ("arrays", "facts", "channels", "sizes")
 """Attributes of a log that are worked out when one of them is first asked for."""
+
+
+JUMP = 0.05
+"""Change of a position between two steps from which the state was set by hand, and not corrected [m, rad, -].
+
+A judgement: who lifts a robot out of the ground or normalises a quaternion stays below.
+"""
+RARE = 0.02
+"""Share of rows that may begin with such a change, to be resets; a judgement."""
 
 
 class Recording(Log):
@@ -152,6 +162,7 @@ class Recording(Log):
         slots.arrange()
         points = slots.arrays(len(arrays["time"]))
         q, v = arrays.pop("q"), arrays.pop("v")
+        self._episodes = sorted({*self._episodes, *_jumps(q, arrays.pop("end_q"))})
         OpenContacts(self._mujoco, model, slots.points).fill(q, v, points)
         self._leave_out_empty_channels(arrays)
         arrays |= points
@@ -243,6 +254,15 @@ class Recording(Log):
             named = ", ".join(tree.others[:3])
             out.append(f"more bodies move ({named}): the robot is taken to be {tree.name}")
         return out
+
+
+def _jumps(start: FloatArray, end: FloatArray) -> list[int]:
+    """Return the rows that start elsewhere than the row before ended, from (T, nq) positions; rare ones only.
+
+    Where a loop sets the state again and again, as one that holds a trunk in place does, none is a reset.
+    """
+    far = np.abs(start[1:] - end[:-1]).max(axis=1, initial=0.0) > JUMP
+    return (np.flatnonzero(far) + 1).tolist() if far.sum() <= RARE * far.size else []
 
 
 def record(model: Any, data: Any, robot: str | None = None) -> Recording:
