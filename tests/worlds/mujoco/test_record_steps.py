@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from surefoot.base.errors import SurefootError
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -150,6 +151,23 @@ def test_a_reset_ends_an_episode(reset: str, tmp_path: Path) -> None:
     assert [len(part) for part in again.episodes] == [100, 100, 100]
     assert sf.audit_log(again).as_dict() == report.as_dict()
     assert [len(part) for part in log.rows(slice(50, 150)).episodes] == [50, 50]
+
+
+def test_a_platform_that_a_loop_moves_is_no_robot() -> None:
+    model = mujoco.MjModel.from_xml_string(
+        "<mujoco><worldbody><body name='lift' mocap='true'><geom type='box' size='1 1 .1'/></body>"
+        "<body name='box' pos='0 0 .2'><freejoint/><geom type='box' size='.1 .1 .1' mass='2'/></body>"
+        "</worldbody></mujoco>"
+    )
+    data = mujoco.MjData(model)
+    with sf.record(model, data) as log:
+        for k in range(100):
+            data.mocap_pos[0, 2] = 0.001 * np.sin(0.1 * k)
+            mujoco.mj_step(model, data)
+    assert log.facts["robot"] == "box"
+    assert log["contact_positions"].shape[1] == 4
+    with pytest.raises(SurefootError, match="lift is moved by hand"):
+        sf.record(model, data, robot="lift")
 
 
 def test_a_trunk_that_is_held_in_place_is_no_reset() -> None:

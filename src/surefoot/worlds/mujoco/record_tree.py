@@ -79,14 +79,18 @@ class BodyTree:
     def __init__(self, mujoco: Any, model: Any, robot: str | None) -> None:
         moving = [b for b in range(1, model.nbody) if model.body_weldid[b] == b]
         roots = [b for b in moving if model.body_weldid[model.body_parentid[b]] == 0]
-        if not roots:
+        # a body that a loop moves by hand (mocap) is no robot
+        free = [b for b in roots if int(model.body_mocapid[b]) < 0]
+        if not free:
             raise ModelError("nothing moves in this model")
         names = {b: str(model.body(b).name) or f"body {b}" for b in range(model.nbody)}
         if robot is None:
             driven = _actuator_counts(mujoco, model)
-            root = max(roots, key=lambda b: (driven.get(int(b), 0), float(model.body_subtreemass[b])))
+            root = max(free, key=lambda b: (driven.get(int(b), 0), float(model.body_subtreemass[b])))
         elif robot in names.values():
             root = next(b for b, name in names.items() if name == robot)
+            if int(model.body_mocapid[root]) >= 0:
+                raise ProblemError(f"{robot} is moved by hand (mocap): no robot of its own")
         else:
             raise ProblemError(unknown_name("body", robot, names.values()))
         self.name, self.root = names[root], root
