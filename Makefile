@@ -11,7 +11,7 @@ TRIM = rm -rf $(PREFIX)/include $(PREFIX)/share/cmake
 ARMS := alex allegro_hand asr_twodof baxter borinot hextilt iris pr2 so_arm tiago tiago_pro xarm
 PYTEST := $(BIN)/python -m pytest -n 2 --dist loadgroup -q
 .DEFAULT_GOAL := help
-.PHONY: help setup stand lint test quick test-all test-extras test-release bench docs clean
+.PHONY: help setup stand lint test quick test-all test-extras test-mujoco test-release bench docs clean
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -58,6 +58,11 @@ test-all: test ## what `make test` runs, then the long tests: hunts, long walks,
 test-extras: setup ## install the large extras (torch, mjx, ray, dask: gigabytes) and run their tests
 	$(INSTALL) --quiet -e '.[torch,mjx,scale]'
 	$(BIN)/python -m pytest -q tests/contact/batch tests/worlds/sweep tests/worlds/experiments/test_engines.py tests/benchmarks/test_batch_bench.py
+
+OLD_MUJOCO := 3.11.0
+test-mujoco: setup ## the tests of MuJoCo's loops and worlds with the oldest MuJoCo that is supported
+	$(BIN)/python -m pip install --disable-pip-version-check --quiet --no-deps --target $(VENV)/mujoco-$(OLD_MUJOCO) mujoco==$(OLD_MUJOCO)
+	PYTHONPATH=$(CURDIR)/$(VENV)/mujoco-$(OLD_MUJOCO) $(PYTEST) -m "not long" tests/worlds/mujoco
 
 test-release: setup ## build the wheel and install it with every extra in clean environments (gigabytes)
 	SUREFOOT_RELEASE=1 $(BIN)/python -m pytest -q tests/test_release.py

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -29,6 +30,9 @@ def audit(
     foreign: Annotated[
         bool, typer.Option("--foreign", help="Failures of plain MuJoCo loops, and their causes.")
     ] = False,
+    price: Annotated[
+        bool, typer.Option("--price", help="What sf.record costs beside mj_step, and nothing else.")
+    ] = False,
     seeds: Annotated[
         int, typer.Option(min=1, max=10, help="Seeds per cause of --foreign, of each half.")
     ] = 10,
@@ -45,10 +49,30 @@ def audit(
     """Put faults into logs, or let strangers' MuJoCo loops fail, and count what the audit tells of it."""
     check_out(out)
     extras.require(["mujoco"])
-    if foreign:
+    if price:
+        _price(quick, out, as_json)
+    elif foreign:
         _foreign(seeds, held_back, cause, quick, out, as_json)
     else:
         _seeded(4 if quick else clean, quick, out, as_json)
+
+
+def _price(quick: bool, out: Path | None, as_json: bool) -> None:
+    from benchmarks.record_price import ROUNDS, measure
+
+    rows = list(measure(200 if quick else 2000))
+    record = {"models": [{**asdict(row), "ratio": row.ratio} for row in rows]}
+
+    def in_words(console: Console) -> None:
+        heads = ("model", "mj_step", "recorded", "ratio", "reading a row", "contacts")
+        cells = [
+            (r.name, f"{r.step:.1f}", f"{r.recorded:.1f}", f"{r.ratio:.2f}", f"{r.read:.0f}", str(r.contacts))
+            for r in rows
+        ]
+        title = f"sf.record beside mj_step, CPU microseconds a step, best of {ROUNDS}"
+        console.print(table(heads, cells, title))
+
+    report(record, as_json, in_words, out=out, name="audit-price")
 
 
 def _foreign(

@@ -162,7 +162,7 @@ def test_what_does_not_map_is_one_line(text: str, message: str, tmp_path: Path) 
         ("time,mu\n0,1\n1,1_0\n", "line 3, column mu: '1_0' is no number"),
         ("time,mu\n0,1\nnan,2\n", "the time stamp of row 1 is no finite number"),
         ("0,1\n1,2\n", "the first line must name the columns, got numbers"),
-        ("word\n", "the first line must name the columns"),
+        ("word\n", "has no rows"),
         ("time,a,a\n0,1,2\n", "two columns are called 'a'"),
         ("time,a\n0,1\n", "no channel can be guessed from the fields time, a: give a mapping"),
         ("mu,x\n0,1\n", "the mapping must say which column is the time"),
@@ -324,5 +324,5 @@ def test_names_that_do_not_fit_a_table_are_refused(tmp_path: Path) -> None:
             read_log(tmp_path / "bare.csv", columns=columns)
     saved = Log({"time": np.arange(3.0)}).save(tmp_path / "log.npz")
     for given in ({"columns": ["time"]}, {"mapping": tmp_path / "none.yaml"}):
-        with pytest.raises(ProblemError, match="format npz take no mapping and no columns"):
+        with pytest.raises(ProblemError, match="format npz take no mapping, columns or rate"):
             read_log(saved, **given)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -64,7 +63,7 @@ def audit(
 
     check_out(out)
     if template is not None:
-        return _write_template(log, given.names(), template)
+        return _write_template(log, given, template)
     read, whose = given.read(log)
     again = None if replay is None else _replay(read, replay, whose, given)
     read = given.complete_log(read, whose, replayed=again is not None)
@@ -102,11 +101,11 @@ def _replay(log: Log, world: str, robot: Robot | None, given: LogOptions) -> Rep
     return replay_log(log, world, robot, given.ground(), given.mu)
 
 
-def _write_template(log: Path, columns: Sequence[str] | None, path: Path) -> int:
+def _write_template(log: Path, given: LogOptions, path: Path) -> int:
     """Write the mapping that is guessed for a log to a new file."""
     from surefoot.app.cli.mapping_template import template
 
-    text = template(log, columns)
+    text = template(log, given.names(), given.rate)
     if str(path) == "-":
         print(text, end="")
         return 0

@@ -40,6 +40,10 @@ class LogOptions:
         typer.Option(help="Names of a table's columns, with commas, where its first line has none."),
     ] = None
 
+    rate: Annotated[
+        float | None, typer.Option(help="Rows a second of a table that has no column of time [Hz].")
+    ] = None
+
     def names(self) -> list[str] | None:
         """Return the names of the columns."""
         return None if self.columns is None else [name.strip() for name in self.columns.split(",")]
@@ -60,7 +64,9 @@ class LogOptions:
             parsing.friction("--mu", self.mu)
         if self.mass is not None:
             real_number("--mass", self.mass, low=1e-6, high=1e9)
-        log = read_log(path, self.mapping, self.names())
+        if self.rate is not None:
+            real_number("--rate", self.rate, low=1e-6, high=1e9)
+        log = read_log(path, self.mapping, self.names(), self.rate)
         if self.robot is None:
             return log, None
         feet = _feet_of(log) if is_file(self.robot) else []

@@ -9,7 +9,7 @@ from surefoot.base.errors import ProblemError
 from surefoot.records import CHANNELS
 from surefoot.records.audit.checks import CHECKS
 from surefoot.records.log.from_source import log_from_source
-from surefoot.records.log.mapping import LogMapping
+from surefoot.records.log.mapping import LogMapping, with_rate
 from surefoot.records.log.mapping_guess import guess_mapping
 from surefoot.records.log.reading import read_source
 
@@ -25,7 +25,7 @@ INSTEAD = {
 """Channel to what else gives it."""
 
 
-def template(path: Path, columns: Sequence[str] | None) -> str:
+def template(path: Path, columns: Sequence[str] | None, rate: float | None = None) -> str:
     """Return a mapping file for a log of somebody's: what is guessed, and comments on what is not.
 
     Raises
@@ -36,7 +36,7 @@ def template(path: Path, columns: Sequence[str] | None) -> str:
     source = read_source(path, columns)
     mapping, failed, there = LogMapping({}), "", {"time"}
     try:
-        mapping = guess_mapping(source)
+        mapping = with_rate(guess_mapping(source), rate)
         there = {*log_from_source(source, mapping)}
     except ProblemError as error:
         failed = f"# It does not suffice: {error}\n"

@@ -20,6 +20,7 @@ from surefoot.records.audit.intervals import Interval, Track
 from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.audit.log_context import Setting, setting_of
 from surefoot.records.audit.report import AuditReport, FrictionInterval, Judgement, LawBroken, Violation
+from surefoot.records.audit.resets import join_episodes
 from surefoot.records.audit.rows import Rows, lacking, pieces
 from surefoot.records.audit.slides import WORST, slide_on, slide_rules, start_slides
 from surefoot.records.audit.story.story import story_of
@@ -32,6 +33,11 @@ FINITE, CLOCK = "finite", "clock"
 _FAULTS = (FINITE, CLOCK)
 OF_ONE_MASS = ("motion", "acceleration", "centre of mass", "momentum")
 """Laws that take the robot to have one mass; `balance` knows of weight that is put on."""
+FROM_ROW_TO_ROW = (
+    "motion", "restitution", "flight", "state", "gap rate", "momentum", "centre of mass", "acceleration",
+    "contact jump",
+)  # fmt: skip
+"""Laws of what changes from a row to the next: nobody knows them where rows are lost."""
 NEEDED = ("pull", "penetration", "distance", "friction")
 """Laws without which no log is called lawful: unilateral contact and Coulomb's cone."""
 
@@ -55,7 +61,8 @@ def audit_log(log: Log | Path | str, robot: Robot | None = None, limits: AuditLi
     AuditReport
         `.verdict`, `.violations`, `.symptoms`, `.coverage`, `.friction`. Never "lawful" where numbers are
         not finite, time stands still or runs back, the log contradicts itself, or the laws of `NEEDED` could
-        not be judged.
+        not be judged. A log with several episodes (its state was reset) is judged episode by episode,
+        `.episodes`; its verdict is the worst.
 
     Raises
     ------
@@ -69,6 +76,8 @@ def audit_log(log: Log | Path | str, robot: Robot | None = None, limits: AuditLi
         )
     if not isinstance(log, Log):
         log = read_log(log)
+    if len(episodes := log.episodes) > 1:
+        return join_episodes(log, [audit_log(one, robot, limits) for one in episodes])
     setting = setting_of(log, robot, limits)
     coverage = _coverage(log, setting)
     used = [check for check in CHECKS if check.applies(log) and not coverage.get(check.name, "")]
@@ -126,6 +135,8 @@ def _coverage(log: Log, setting: Setting) -> dict[str, str]:
             why = "" if check.name == "balance" and free else "the log has no contacts"
         if not why and check.name in OF_ONE_MASS and "mass" in log.facts.get("change_kind", ()):
             why = "the loop changed masses of its model"
+        if not why and check.name in FROM_ROW_TO_ROW:
+            why = setting.missing_rows
         out[check.name] = why or check.doubt(log, setting)
     return out
 

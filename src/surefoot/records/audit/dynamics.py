@@ -204,7 +204,7 @@ def _newton_euler(
 
 
 def _at_feet(robot: LoggedRobot, rest: FloatArray, jacobian: FloatArray, place: FloatArray) -> FloatArray:
-    """Return the joints' rest of every leg as a force at its foot: (T, n, 3), world axes; NaN at other links."""
+    """Return the joints' rest of every leg as a force at its foot: (T, n, 3), world axes; NaN elsewhere."""
     base = robot.base_dof
     out = np.full((len(rest), int(robot.owner.max(initial=-1)) + 1, 3), np.nan)
     for foot in range(out.shape[1]):

@@ -18,6 +18,7 @@ from surefoot.records.audit.ground import ground_plane
 from surefoot.records.audit.laws import stated
 from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.audit.logged_robot import LoggedRobot, from_recording, from_robot
+from surefoot.records.audit.missing_rows import find_missing_rows
 from surefoot.records.audit.row_velocities import MEANS, forces_late, velocities_after
 from surefoot.records.log import Log
 from surefoot.records.log.snapshot import point_names
@@ -78,6 +79,8 @@ class Setting:
         Where the log contradicts itself, a line each: such a log is never lawful.
     limits
         What the log is judged by.
+    missing_rows
+        Which rows the log lacks, see `find_missing_rows`: laws from row to row cannot be judged.
     """
 
     names: tuple[str, ...]
@@ -100,6 +103,7 @@ class Setting:
     notes: tuple[str, ...] = field(default=())
     doubts: tuple[str, ...] = field(default=())
     limits: AuditLimits = LIMITS
+    missing_rows: str = ""
 
     @property
     def threshold(self) -> float:
@@ -142,6 +146,8 @@ def setting_of(log: Log, robot: Robot | None, limits: AuditLimits = LIMITS) -> S
     dt = float(np.median(good)) if good.size else stated_dt
     if stated_dt and good.size and abs(stated_dt - dt) > limits.records.same_dt * dt:
         doubts.append(f"the log says dt = {stated_dt:g} s, its time stamps {dt:g} s")
+    lost = find_missing_rows(log, good)
+    doubts += [lost] if lost else []
     for name in REAL.intersection(log.facts):
         finite_array(f"the fact {name}", log.fact(name))
     softest = describe(limits.softness)
@@ -177,7 +183,7 @@ def setting_of(log: Log, robot: Robot | None, limits: AuditLimits = LIMITS) -> S
     return Setting(
         names, owner, feet, weight, dt, sinking, creep, stopping, settling, payload, place, model, why,
         velocities_after(log, dt, limits.records.clear), forces_late(log, dt, weight),
-        plane or ground is not None, ground, tuple(notes), tuple(doubts), limits,
+        plane or ground is not None, ground, tuple(notes), tuple(doubts), limits, lost,
     )  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal, TypeAlias
 
@@ -173,6 +174,8 @@ class AuditReport:
     limits_broken
         A line for each limit of the robot's own that was not kept: speeds of its motors, what its links
         touched, as `surefoot.summarise_walk` has them. No law of contact is broken by it.
+    episodes
+        A report of each episode, where the state was reset in between; empty where it never was.
     """
 
     verdict: Judgement
@@ -195,6 +198,7 @@ class AuditReport:
     story: Story = field(default_factory=Story)
     log: Log | None = field(default=None, repr=False, compare=False)
     limits_broken: tuple[str, ...] = ()
+    episodes: tuple[AuditReport, ...] = ()
 
     def __str__(self) -> str:
         physics = self._physics
@@ -228,7 +232,16 @@ class AuditReport:
         asked = f"; the command: {self.command[0]}" if self.command else ""
         why = "" if self.first_cause is None else f"; first cause: {self.first_cause}"
         limits = f"; limits not kept: {', '.join(self.limits_broken)}" if self.limits_broken else ""
-        return self._physics + limits + task.get(self.task, "") + asked + why
+        return self._several + self._physics + limits + task.get(self.task, "") + asked + why
+
+    @property
+    def _several(self) -> str:
+        """What came of several episodes."""
+        if not self.episodes:
+            return ""
+        counts = Counter(one.verdict for one in self.episodes)
+        told = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
+        return f"{len(self.episodes)} episodes, {told}; "
 
     @property
     def passed(self) -> bool:
@@ -269,6 +282,7 @@ class AuditReport:
 
     def as_dict(self) -> dict[str, Any]:
         """Return everything but the limits and the log by name, for JSON."""
-        found = {"sentence": self.sentence, **asdict(replace(self, log=None))}
+        found = {"sentence": self.sentence, **asdict(replace(self, log=None, episodes=()))}
+        found["episodes"] = [one.as_dict() for one in self.episodes]
         del found["limits"], found["log"]
         return found

@@ -15,6 +15,8 @@ from surefoot.records.log.source import Source, Topic, check_size
 
 MOST_COLUMNS = 10_000
 """A table with more columns than this is no log."""
+LONGEST_NAME = 80
+"""A first line that is one word longer than this is no column's name."""
 
 
 def source(path: Path, columns: Sequence[str] | None = None) -> Source:
@@ -58,7 +60,7 @@ def _cells(line: str) -> tuple[list[str], str]:
 def _checked_names(path: Path, line: str, cells: list[str]) -> list[str]:
     """Return the columns' names that the first line gives."""
     names = [cell.strip().strip('"') for cell in cells]
-    if len(names) < 2 or len(names) > MOST_COLUMNS:
+    if not any(names) or len(names) > MOST_COLUMNS or (len(names) == 1 and len(names[0]) > LONGEST_NAME):
         raise ProblemError(f"{path}: the first line must name the columns, got {line.strip()[:80]!r}")
     if sum(map(_is_number, names)) > len(names) / 2:
         raise ProblemError(

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from surefoot.base.arrays import IntArray
 from surefoot.base.errors import ProblemError
 
 
@@ -130,6 +132,9 @@ FACTS: dict[str, Fact] = {
     "model_geom_positions": Fact("of the shapes in their links' axes [m]", ("geoms", 3)),
     "model_geom_orientations": Fact("of the shapes there, quaternion w, x, y, z", ("geoms", 4)),
     "model_actuators": Fact("names of the model's actuators", ("actuators",), text=True),
+    "episode_rows": Fact("first row of every episode, where the state was reset", ("episodes",)),
+    "unseen_steps": Fact("places in which time moved without a step that the recorder saw"),
+    "change_row": Fact("first row after each change of the model", ("changes",)),
     "change_time": Fact("when the loop changed its model [s]", ("changes",)),
     "change_kind": Fact("what of it: mass, gain, torque limit, friction", ("changes",), text=True),
     "change_name": Fact("whose", ("changes",), text=True),
@@ -158,3 +163,52 @@ FACTS: dict[str, Fact] = {
     ),
 }
 """Facts that Surefoot writes and reads by name; a log may hold others."""
+
+
+def facts_of_rows(facts: Mapping[str, Any], episode: int, first: int, end: int, rows: int) -> dict[str, Any]:
+    """Return the facts of one episode of a log.
+
+    Parameters
+    ----------
+    facts
+        Of the whole log.
+    episode
+        Number of the episode, from 1 on.
+    first, end
+        Its first row, and that of the next.
+    rows
+        Of the whole log: only its last episode has its ending.
+    """
+    out = {name: fact for name, fact in facts.items() if name != "episode_rows"}
+    changed = np.atleast_1d(facts.get("change_row", []))
+    mine = (changed >= first) & (changed < end)
+    for name in ("change_time", "change_kind", "change_name", "change_factor", "change_row"):
+        if name in out and not mine.all():
+            kept = [value for value, on in zip(np.atleast_1d(out.pop(name)), mine, strict=True) if on]
+            out |= {name: kept} if kept else {}
+    doubts = out.get("doubts", ())
+    lines = [doubts] if isinstance(doubts, str) else list(map(str, doubts))
+    title = re.compile(r"episode (\d+): ")
+    marks = [(title.match(line), line) for line in lines]
+    out["doubts"] = [
+        line if mark is None else line[mark.end() :]
+        for mark, line in marks
+        if mark is None or int(mark[1]) == episode
+    ]
+    if end < rows:
+        out.pop("error", None)
+        out["outcome"] = "done"
+    return out
+
+
+def facts_of_selection(facts: Mapping[str, Any], rows: IntArray) -> dict[str, Any]:
+    """Return facts whose row numbers are those in a selection, (k,) numbers of rows in their order."""
+    out = dict(facts)
+    starts = np.atleast_1d(out.pop("episode_rows")).astype(np.int64)
+    episode = np.searchsorted(starts, rows, side="right")
+    begins = np.flatnonzero(np.diff(episode, prepend=-1))
+    if len(begins) > 1:
+        out["episode_rows"] = begins
+    if "change_row" in out:
+        out["change_row"] = np.searchsorted(rows, np.atleast_1d(out["change_row"]))
+    return out

@@ -13,7 +13,14 @@ from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import rotation_from_quaternion
 from surefoot.records.log.channels import CHANNELS, size_of
 from surefoot.records.log.log import Log
-from surefoot.records.log.mapping import LogMapping, Take, mapping_from_yaml, read_mapping, unit_factor
+from surefoot.records.log.mapping import (
+    LogMapping,
+    Take,
+    mapping_from_yaml,
+    read_mapping,
+    unit_factor,
+    with_rate,
+)
 from surefoot.records.log.mapping_guess import guess_mapping
 from surefoot.records.log.plausibility import find_doubts
 from surefoot.records.log.source import Source
@@ -24,7 +31,9 @@ HELD = 1.5
 """A topic slower than the clock by more than this factor is reported as held."""
 
 
-def log_from_source(source: Source, mapping: LogMapping | Path | str | None = None, name: str = "") -> Log:
+def log_from_source(
+    source: Source, mapping: LogMapping | Path | str | None = None, name: str = "", rate: float | None = None
+) -> Log:
     """Return the log of a source: what the mapping takes of it, in Surefoot's units, frames and orders.
 
     Parameters
@@ -35,6 +44,8 @@ def log_from_source(source: Source, mapping: LogMapping | Path | str | None = No
         Or the path of its YAML file; None for the source's own, or a guess.
     name
         What the source is called in the fact ``source``.
+    rate
+        Of the rows of a table without stamps [Hz]; None for what the mapping says.
 
     Raises
     ------
@@ -46,6 +57,7 @@ def log_from_source(source: Source, mapping: LogMapping | Path | str | None = No
         mapping = guess_mapping(source) if own is None else own
     elif not isinstance(mapping, LogMapping):
         mapping = read_mapping(mapping)
+    mapping = with_rate(mapping, rate)
     build = _Build(source, mapping)
     arrays = build.arrays()
     if source.mapping:  # one of ours: as it was
@@ -136,7 +148,10 @@ class _Build:
     def _times(self, topic: str) -> FloatArray:
         times = self.source.topics[topic].times
         if times is None:
-            raise ProblemError("the mapping must say which column is the time: time: NAME")
+            raise ProblemError(
+                "the mapping must say which column is the time: time: NAME; or the rate of the rows where "
+                "none is: time: {rate: 500}, rate=500 or --rate 500"
+            )
         return times
 
     def _clock(self) -> tuple[FloatArray, dict[str, Any]]:
@@ -149,6 +164,12 @@ class _Build:
             if values.shape[1] != 1:
                 raise ProblemError(f"the time is one number per row, got {values.shape[1]}")
             time = values[:, 0]
+        elif self.mapping.rate:
+            clock = next(iter(topics))
+            if len(topics) > 1 or self.source.topics[clock].times is not None:
+                raise ProblemError("a rate is for a table without stamps: messages bring their own")
+            count = len(next(iter(self.source.topics[clock].fields.values())))
+            time = np.arange(count) / self.mapping.rate
         else:
             clock = max(topics, key=lambda t: len(self._times(t)))
             time = self._times(clock)

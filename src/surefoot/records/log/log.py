@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from surefoot.base.arrays import of_kind
 from surefoot.base.errors import ProblemError, check_name
 from surefoot.base.text_files import path_of
 from surefoot.records.log.channels import CHANNELS, Channel, check_shapes
-from surefoot.records.log.facts import FACTS
+from surefoot.records.log.facts import FACTS, facts_of_rows, facts_of_selection
 from surefoot.records.log.formats import write_log
 
 
@@ -108,10 +109,26 @@ class Log:
         found = self.facts.get("doubts", ())
         return (found,) if isinstance(found, str) else tuple(map(str, found))
 
+    @property
+    def episodes(self) -> tuple[Log, ...]:
+        """The log's episodes, each a log: cut where the state was reset; the log itself if it never was."""
+        starts = np.atleast_1d(self.facts.get("episode_rows", [0])).astype(int).tolist()
+        if len(starts) < 2:
+            return (self,)
+        spans = enumerate(pairwise([*starts, len(self)]), 1)
+        return tuple(
+            Log(self.rows(slice(first, end)).arrays, facts_of_rows(self.facts, number, first, end, len(self)),
+                channels=self.channels)
+            for number, (first, end) in spans
+        )  # fmt: skip
+
     def rows(self, which: Any) -> Log:
         """Return the log of some rows: a slice or a (T,) mask."""
         arrays = {name: array[which] for name, array in self.arrays.items()}
-        return Log(arrays, self.facts, channels=self.channels)
+        facts = self.facts
+        if "episode_rows" in facts:
+            facts = facts_of_selection(facts, np.arange(len(self))[which])
+        return Log(arrays, facts, channels=self.channels)
 
     def chunks(self, rows: int = 1 << 16) -> Iterator[Log]:
         """Yield the log in pieces of consecutive rows; a log of at most `rows` rows as it is."""

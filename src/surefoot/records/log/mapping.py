@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
+from surefoot.base.arrays import real_number
 from surefoot.base.errors import ProblemError, check_name, located, unknown_name
 from surefoot.base.text_files import parse_yaml, read_yaml
 from surefoot.records.log.channels import CHANNELS, Channel
@@ -125,6 +127,13 @@ class LogMapping:
         Channels of one's own.
     guessed
         Whether nobody said so.
+    rate
+        Of the rows of a table without stamps [Hz]; zero where stamps tell the time.
+
+    Raises
+    ------
+    ProblemError
+        For names that are none, a rate that is none, and one beside stamps.
     """
 
     channels: Mapping[str, Take]
@@ -133,8 +142,16 @@ class LogMapping:
     facts: Mapping[str, Any] = field(default_factory=dict)
     define: Mapping[str, Channel] = field(default_factory=dict)
     guessed: bool = False
+    rate: float = 0.0
 
     def __post_init__(self) -> None:
+        if not 0.0 <= self.rate < math.inf:
+            raise ProblemError(f"the rate of the rows must be positive, in Hz, got {self.rate!r}")
+        if self.rate and "time" in self.channels:
+            field_of_time = self.channels["time"].fields[0]
+            raise ProblemError(
+                f"the time is told twice, by {field_of_time!r} and by a rate of {self.rate:g} Hz"
+            )
         known = {**CHANNELS, **self.define}
         for name, take in self.channels.items():
             check_name("channel", name, known)
@@ -151,6 +168,8 @@ class LogMapping:
         names = {"feet": list(self.feet), "joints": list(self.joints)}
         parts = {**names, "facts": dict(self.facts), "define": define}
         out: dict[str, Any] = {key: value for key, value in parts.items() if value}
+        if self.rate:
+            out["time"] = {"rate": self.rate}
         out["channels"] = {name: _take_to(take) for name, take in self.channels.items()}
         return yaml.safe_dump(out, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True)
 
@@ -186,15 +205,41 @@ def _mapping_from(content: Any, name: str) -> LogMapping:
     with located(name):
         said = read_as(MappingKeys, content)
         takes = said.get("channels", {})
-        if "time" in said:
-            takes = {"time": said["time"], **takes}
+        clock = said.get("time", {})
+        rate = _positive_rate(clock["rate"]) if "rate" in clock else 0.0
+        if "from" in clock:
+            takes = {"time": cast("TakeKeys", clock), **takes}
         return LogMapping(
             {channel: _take_from(take) for channel, take in takes.items()},
             said.get("feet", ()),
             said.get("joints", ()),
             said.get("facts") or {},
             {row["name"]: Channel(**row) for row in said.get("define", ())},
+            rate=rate,
         )
+
+
+def _positive_rate(value: float) -> float:
+    """Return the rate of a table's rows [Hz]."""
+    if not 0.0 < value < math.inf:
+        raise ProblemError(f"the rate of the rows must be positive, in Hz, got {value!r}")
+    return float(value)
+
+
+def with_rate(mapping: LogMapping, rate: float | None) -> LogMapping:
+    """Return a mapping with the rate [Hz] of a table's rows without stamps; None for the mapping's own.
+
+    Raises
+    ------
+    ProblemError
+        For a rate that is none, or beside stamps or another rate.
+    """
+    if rate is None:
+        return mapping
+    rate = _positive_rate(real_number("rate", rate))
+    if mapping.rate and mapping.rate != rate:
+        raise ProblemError(f"the mapping says {mapping.rate:g} Hz, not {rate:g}")
+    return replace(mapping, rate=rate)
 
 
 def _take_from(said: TakeKeys) -> Take:

@@ -59,6 +59,7 @@ RULES = (
         rf"(?:{_FOOT}_?(?:foot_?)?(?:contact_?)?(?:force|grf|f)|(?:force|grf|f)_?(?P<foot2>[FRHL]{{2}}))[_.]?{_AXIS}",
         "xyz",
     ),
+    ColumnRule("forces", rf"(?:foot_?|contact_?|ground_?)?(?:force|grf|f)[_.]?{_AXIS}", "xyz"),
     ColumnRule("foot_sensors", rf"{_FOOT}_?(?:foot_?)?(?:contact_?)?(?:force|sensor|pressure|load)"),
     ColumnRule("foot_sensors", rf"(?:foot|contact)?_?(?:force|sensor|pressure|load)_?{_FOOT}"),
     ColumnRule("joint_positions", rf"(?:joint_?|motor_?)?(?:position|pos|angle|q)[_.]?{_JOINT}"),
@@ -143,6 +144,9 @@ def _of_table(topic: Topic) -> LogMapping:
                 found.setdefault(rule.channel, []).append((column, groups, unit))
                 break
     axes = {rule.channel: rule.axes for rule in RULES}
+    vertical = found.get("forces", [])
+    if vertical and "foot_sensors" not in found and {g["axis"].lower() for _, g, _ in vertical} == {"z"}:
+        found["foot_sensors"] = found.pop("forces")  # F_z alone, of a foot or of each: how hard it presses
     takes: dict[str, Take] = {}
     names: dict[str, tuple[str, ...]] = {}
     for channel in dict.fromkeys(rule.channel for rule in RULES):
@@ -150,7 +154,7 @@ def _of_table(topic: Topic) -> LogMapping:
         if not columns or (channel in ("time", "mu") and len(columns) > 1):
             columns = columns[:1]
         ordered = _in_axes(columns, axes[channel])
-        units = {unit for _, _, unit in ordered}
+        units = {unit if channel != "foot_sensors" else "" for _, _, unit in ordered}  # raw whatever it is
         if not ordered or len(units) > 1:
             continue
         kind = "foot" if channel in ("forces", "foot_sensors") else "joint"

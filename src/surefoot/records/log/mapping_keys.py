@@ -26,6 +26,14 @@ def _take(value: object) -> object:
     return value if isinstance(value, dict) else {"from": value}
 
 
+def _clock(value: object) -> object:
+    """Return the table of the stamps' source, a field or the rate of the rows; both or none are refused."""
+    content = _take(value)
+    if isinstance(content, dict) and ("from" in content) == ("rate" in content):
+        raise ValueError("must be the field of the stamps, or the rate of the rows: {rate: 500}")
+    return content
+
+
 def _channels(value: object) -> object:
     """Return what may be a list of channels; anything else is refused."""
     if not isinstance(value, list) or not all(isinstance(row, dict) for row in value):
@@ -44,6 +52,12 @@ TakeKeys = TypedDict(
 )  # fmt: skip
 with_config(FILE)(TakeKeys)
 
+ClockKeys = TypedDict(
+    "ClockKeys", {"from": Names, "unit": Name, "scale": Number, "rate": Number}, total=False
+)
+with_config(FILE)(ClockKeys)
+
+Clock = Annotated[ClockKeys, BeforeValidator(_clock)]
 Take = Annotated[TakeKeys, BeforeValidator(_take)]
 
 
@@ -64,7 +78,7 @@ class ChannelKeys(TypedDict, total=False):
 class MappingKeys(TypedDict):
     """Where a log's channels come from."""
 
-    time: NotRequired[Take]
+    time: NotRequired[Clock]
     feet: NotRequired[Names]
     joints: NotRequired[Names]
     channels: NotRequired[dict[str, Take]]

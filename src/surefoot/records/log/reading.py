@@ -20,6 +20,7 @@ def read_log(
     path: Path | str,
     mapping: LogMapping | Path | str | None = None,
     columns: Sequence[str] | None = None,
+    rate: float | None = None,
 ) -> Log:
     """Read a log from a file of any format, or from the folder of parts that a killed run left.
 
@@ -36,6 +37,8 @@ def read_log(
         a guess, which stands in the fact ``mapping``.
     columns
         Names of the columns of a CSV file whose first line does not name them.
+    rate
+        Of the rows of a CSV file that has no column of stamps [Hz].
 
     Raises
     ------
@@ -49,9 +52,9 @@ def read_log(
     entry = format_of(path)
     with _report_errors(path, "is not a Surefoot log", entry):
         if entry.source is not None:
-            return log_from_source(_source(entry, path, columns), mapping, str(path))
-        if entry.read is None or mapping is not None or columns is not None:
-            raise ProblemError(f"{path}: logs of the format {entry.name} take no mapping and no columns")
+            return log_from_source(_source(entry, path, columns), mapping, str(path), rate)
+        if entry.read is None or any(given is not None for given in (mapping, columns, rate)):
+            raise ProblemError(f"{path}: logs of the format {entry.name} take no mapping, columns or rate")
         contents = entry.read(path)
         if isinstance(contents, Log):
             return contents

@@ -6,12 +6,17 @@ those that were given, and a world that changed under the robot from one that di
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
+from surefoot.base.kernels import entry_point
+from surefoot.worlds.mujoco.record_capture import RawBlock
+from surefoot.worlds.mujoco.record_copy import COPY_TYPES, MemoryTable, parts_differ
 from surefoot.worlds.mujoco.record_tree import BodyTree
 
 LOWEST = 0.5
@@ -29,47 +34,90 @@ class Change(NamedTuple):
     factor: float
 
 
+WATCHED = (
+    "body_mass", "body_inertia", "body_ipos", "body_iquat", "body_pos", "body_quat", "jnt_pos", "jnt_axis",
+    "geom_pos", "geom_quat", "geom_size", "geom_friction", "dof_armature", "dof_damping",
+    "actuator_gainprm", "actuator_forcerange",
+)  # fmt: skip
+"""Arrays of a model that a loop may change between steps and that forces or kinematics depend on."""
+
+
 class ModelWatch:
-    """Sees which numbers of a model its loop changes from step to step.
+    """Keeps which numbers of a model its loop changes from step to step.
 
     Attributes
     ----------
-    changes
-        So far, by time.
+    versions
+        First step and its time [s], and all watched numbers from it on.
     """
 
     def __init__(self, mujoco: Any, model: Any) -> None:
         self._mujoco, self._model = mujoco, model
-        kinds = mujoco.mjtObj
-        self._kinds: dict[str, tuple[Any, Callable[[], FloatArray]]] = {
-            "mass": (kinds.mjOBJ_BODY, lambda: model.body_mass),
-            "gain": (kinds.mjOBJ_ACTUATOR, lambda: model.actuator_gainprm[:, 0]),
-            "torque limit": (kinds.mjOBJ_ACTUATOR, lambda: model.actuator_forcerange[:, 1]),
-            "friction": (kinds.mjOBJ_GEOM, lambda: model.geom_friction[:, 0]),
-        }
-        self._last = {name: np.array(read()) for name, (_, read) in self._kinds.items()}
-        self.changes: list[Change] = []
+        self._views = [*(getattr(model, name) for name in WATCHED), model.opt.gravity]
+        self._table = MemoryTable(self._views[:-1])
+        self._gravity = self._views[-1]  # lies elsewhere
+        self._differ = entry_point(parts_differ, *COPY_TYPES)
+        self._known, self._known_gravity = self._numbers()
+        self.versions: list[tuple[int, float, FloatArray]] = [(0, 0.0, self._known)]
 
-    def look(self, time: float) -> None:
-        """Take note of what changed before the step that began at a time [s]."""
-        for kind, (owner, read) in self._kinds.items():
-            now, last = read(), self._last[kind]
-            if np.array_equal(now, last):
-                continue
-            for k in np.flatnonzero(now != last).tolist():
-                name = self._mujoco.mj_id2name(self._model, owner, k) or f"{kind} {k}"
-                factor = float(now[k] / last[k]) if last[k] else np.inf
-                self.changes.append(Change(time, kind, name, factor))
-            self._last[kind] = np.array(now)
+    def look(self, step: int, time: float) -> None:
+        """Take note of what changed before a step that began at a time [s]."""
+        table = self._table
+        if (
+            self._differ(table.base, table.parts, self._known)
+            or self._gravity.tolist() != self._known_gravity
+        ):
+            self._known, self._known_gravity = self._numbers()
+            self.versions.append((step, time, self._known))
+
+    def _numbers(self) -> tuple[FloatArray, list[float]]:
+        """Return all watched numbers, gravity last, and gravity."""
+        flat = np.concatenate([view.reshape(-1) for view in self._views])
+        return flat, self._gravity.tolist()
+
+    def version(self, step: int) -> int:
+        """Return which version of the model a step was made with."""
+        return bisect_right(self.versions, step, key=lambda one: one[0]) - 1
+
+    def restore(self, version: int, model: Any) -> None:
+        """Write a version's numbers into a copy of the model."""
+        numbers, at = self.versions[version][2], 0
+        for name, view in zip((*WATCHED, ""), self._views, strict=True):
+            target = getattr(model, name) if name else model.opt.gravity
+            target[:] = numbers[at : at + view.size].reshape(view.shape)
+            at += view.size
+
+    def _changes(self) -> Iterator[tuple[int, Change]]:
+        """Yield step and change of what a story tells of: masses, gains, limits of torques and friction."""
+        kinds, model = self._mujoco.mjtObj, self._model
+        told = {
+            "body_mass": ("mass", kinds.mjOBJ_BODY, 0),
+            "actuator_gainprm": ("gain", kinds.mjOBJ_ACTUATOR, 0),
+            "actuator_forcerange": ("torque limit", kinds.mjOBJ_ACTUATOR, 1),
+            "geom_friction": ("friction", kinds.mjOBJ_GEOM, 0),
+        }
+        starts = dict(
+            zip(WATCHED, np.cumsum([0, *(view.size for view in self._views)]).tolist(), strict=False)
+        )
+        for (_, _, last), (step, time, now) in pairwise(self.versions):
+            for array, (kind, owner, column) in told.items():
+                view = getattr(model, array)
+                width = view.shape[1] if view.ndim > 1 else 1
+                part = slice(starts[array] + column, starts[array] + view.size, width)
+                for k in np.flatnonzero(now[part] != last[part]).tolist():
+                    name = self._mujoco.mj_id2name(model, owner, k) or f"{kind} {k}"
+                    factor = float(now[part][k] / last[part][k]) if last[part][k] else np.inf
+                    yield step, Change(time, kind, name, factor)
 
     def facts(self) -> dict[str, Any]:
-        """Return the changes as facts of a log."""
-        if not self.changes:
+        """Return the changes as facts of a log; ``change_row`` is the first row of each."""
+        found = list(self._changes())
+        if not found:
             return {}
-        time, kind, name, factor = zip(*self.changes, strict=True)
+        time, kind, name, factor = zip(*(change for _, change in found), strict=True)
         return {
             "change_time": np.array(time), "change_kind": list(kind), "change_name": list(name),
-            "change_factor": np.array(factor),
+            "change_factor": np.array(factor), "change_row": np.array([step for step, _ in found]),
         }  # fmt: skip
 
 
@@ -129,12 +177,14 @@ class TorqueDemand:
             most = min(most, float(np.abs(terms[0] * model.actuator_ctrlrange[k]).max()))
         return most
 
-    def read(self, data: Any) -> FloatArray:
-        """Return what is asked for at an instant: (joints,) [N m, N]."""
+    def read(self, raw: RawBlock) -> FloatArray:
+        """Return what is asked for in steps: (n, joints) [N m, N]."""
         k, (gain, *bias) = self._actuators, self._terms
-        length, rate = data.actuator_length[k], data.actuator_velocity[k]
-        force = gain * data.ctrl[k] + bias[0] + bias[1] * length + bias[2] * rate
-        return np.asarray(np.bincount(self._places, self._gears * force, len(self.limits)), dtype=np.float64)
+        length, rate = raw["actuator_length"][:, k], raw["actuator_velocity"][:, k]
+        force = gain * raw["ctrl"][:, k] + bias[0] + bias[1] * length + bias[2] * rate
+        out = np.zeros((len(raw), len(self.limits)))
+        np.add.at(out.T, self._places, (self._gears * force).T)
+        return out
 
 
 def body_name(model: Any, body: int) -> str:
@@ -145,7 +195,7 @@ def body_name(model: Any, body: int) -> str:
 def foot_geoms(model: Any, data: Any, tree: BodyTree) -> set[int]:
     """Return the geoms that are feet: the lowest of the limbs' ends that reach down, in the pose of the data.
 
-    So are geoms of the same shape at the ends of limbs of as many joints: a robot may be tilted or fold a leg.
+    So are geoms of the same shape at the ends of limbs of as many joints: a robot may be tilted, a leg up.
     Bodies that are welded to each other are one; of a robot of one body all its geoms are feet.
     """
     own, weld = set(tree.bodies.tolist()), np.asarray(model.body_weldid)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
-from surefoot.base.arrays import FloatArray
+from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.errors import ModelError, ProblemError, unknown_name
 from surefoot.base.spatial import quaternion_xyzw, rotation_from_quaternion
 
@@ -14,6 +14,15 @@ _WIDTHS = {"free": 6, "ball": 3, "one": 1}
 """Velocities of a joint."""
 UNNAMED = "MuJoCo Model"
 """What MuJoCo calls a model without a name."""
+
+
+class Posture(Protocol):
+    """Where a tree's root was at n instants; see `Kinematics`."""
+
+    xpos: FloatArray
+    xmat: FloatArray
+    com: FloatArray
+    anchors: FloatArray
 
 
 def _actuator_counts(mujoco: Any, model: Any) -> dict[int, int]:
@@ -70,14 +79,18 @@ class BodyTree:
     def __init__(self, mujoco: Any, model: Any, robot: str | None) -> None:
         moving = [b for b in range(1, model.nbody) if model.body_weldid[b] == b]
         roots = [b for b in moving if model.body_weldid[model.body_parentid[b]] == 0]
-        if not roots:
+        # a body that a loop moves by hand (mocap) is no robot
+        free = [b for b in roots if int(model.body_mocapid[b]) < 0]
+        if not free:
             raise ModelError("nothing moves in this model")
         names = {b: str(model.body(b).name) or f"body {b}" for b in range(model.nbody)}
         if robot is None:
             driven = _actuator_counts(mujoco, model)
-            root = max(roots, key=lambda b: (driven.get(int(b), 0), float(model.body_subtreemass[b])))
+            root = max(free, key=lambda b: (driven.get(int(b), 0), float(model.body_subtreemass[b])))
         elif robot in names.values():
             root = next(b for b, name in names.items() if name == robot)
+            if int(model.body_mocapid[root]) >= 0:
+                raise ProblemError(f"{robot} is moved by hand (mocap): no robot of its own")
         else:
             raise ProblemError(unknown_name("body", robot, names.values()))
         self.name, self.root = names[root], root
@@ -138,42 +151,42 @@ class BodyTree:
             row[3 * (kind == hinge) :][:3] = data.xaxis[j]
         return out if np.allclose(out @ out.T, np.eye(len(out)), atol=1e-9) else None
 
-    def wrench(self, data: Any, joints: FloatArray) -> FloatArray:
-        """Return what forces (nv,) on the root's joints are about the centre of mass: (6,) world axes."""
-        com, out = data.subtree_com[self.root], np.zeros(6)
+    def wrench(self, at: Posture, joints: FloatArray) -> FloatArray:
+        """Return what forces (n, nv) on the root's joints are about the centre of mass: (n, 6) world axes."""
+        out = np.zeros((len(joints), 6))
         if self.free is None:
             return out
         if len(self.free) == 6:
-            (_, _, dof), at = self._roots[0], data.xpos[self.root]
-            out[:3] = joints[dof : dof + 3]
-            turn = data.xmat[self.root].reshape(3, 3) @ joints[dof + 3 : dof + 6]
-            out[3:] = turn + np.cross(at - com, out[:3])
+            dof = self._roots[0][2]
+            out[:, :3] = joints[:, dof : dof + 3]
+            turn = np.einsum("tij,tj->ti", at.xmat, joints[:, dof + 3 : dof + 6])
+            out[:, 3:] = turn + np.cross(at.xpos - at.com, out[:, :3])
             return out
         for row, (_, j, dof) in zip(self.free, self._roots, strict=True):
             if row[:3].any():
-                out[:3] += row[:3] * joints[dof]
+                out[:, :3] += row[:3] * joints[:, dof, None]
             else:
-                out[3:] = row[3:] * (joints[dof] + row[3:] @ np.cross(data.xanchor[j] - com, out[:3]))
+                moment = np.cross(at.anchors[:, j] - at.com, out[:, :3]) @ row[3:]
+                out[:, 3:] = row[3:] * (joints[:, dof] + moment)[:, None]
         return out
 
-    def joint_forces(self, data: Any, joints: FloatArray) -> FloatArray:
-        """Return forces (nv,) on MuJoCo's joints in the log's order and axes."""
-        out = joints[self.dofs]
-        at = 0
+    def joint_forces(self, at: Posture, joints: FloatArray) -> FloatArray:
+        """Return forces (n, nv) on MuJoCo's joints in the log's order and axes."""
+        out, place = joints[:, self.dofs], 0
         for kind, _, _ in self._plan:
             if kind == "free":
-                out[at : at + 3] = data.xmat[self.root].reshape(3, 3).T @ out[at : at + 3]
-            at += _WIDTHS[kind]
+                out[:, place : place + 3] = np.einsum("tji,tj->ti", at.xmat, out[:, place : place + 3])
+            place += _WIDTHS[kind]
         return out
 
-    def torques(self, data: Any) -> FloatArray:
-        """Return what actuators and the user put on the hinges and slides: (joints,) [N m, N]."""
-        return np.asarray(data.qfrc_actuator[self.joint_dofs] + data.qfrc_applied[self.joint_dofs])
+    def torques(self, actuators: FloatArray, applied: FloatArray) -> FloatArray:
+        """Return what (n, nv) actuators and the user put on the hinges and slides: (n, joints) [N m, N]."""
+        return np.asarray(actuators[:, self.joint_dofs] + applied[:, self.joint_dofs])
 
-    def pushed_place(self, data: Any) -> int:
-        """Return the place of the body on which `xfrc_applied` puts the most; -1 for none."""
-        size = np.abs(data.xfrc_applied[self.bodies]).sum(axis=1)
-        return int(size.argmax()) if size.any() else -1
+    def pushed_place(self, applied: FloatArray) -> IntArray:
+        """Return the place of the body on which (n, nbody, 6) `xfrc_applied` puts the most; -1 for none."""
+        size = np.abs(applied[:, self.bodies]).sum(axis=2)
+        return np.where(size.any(axis=1), size.argmax(axis=1), -1)
 
     def pinocchio(self, qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return (T, nq), (T, nv) [m, -, rad]: quaternions x, y, z, w, free bodies' velocity in own axes."""

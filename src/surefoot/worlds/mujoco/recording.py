@@ -1,8 +1,9 @@
 """A log of anybody's MuJoCo loop: any model, any geoms.
 
-Inside ``with record(model, data) as log:`` every ``mujoco.mj_step`` of that data is seen. At the end `log`
-holds a row per step: state at its start, torques and contact forces during it. What MuJoCo computes is
-taken from the data of the step itself; only the gaps of contacts that were open are computed afterwards.
+Inside ``with record(model, data) as log:`` every step of that data is seen that Python asks MuJoCo for. At
+the end `log` holds a row per step: state at its start, torques and contact forces during it. What MuJoCo
+computes is copied from the data of the step itself, a few microseconds each; momentum and gaps are worked
+out when the log is first read.
 """
 
 from __future__ import annotations
@@ -12,16 +13,28 @@ from typing import Any
 
 import numpy as np
 
+from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
-from surefoot.records import CHANNELS, Ending, Log, Recorder, find_doubts
+from surefoot.records import Ending, Log, find_doubts
 from surefoot.worlds.mujoco.mujoco_world import import_mujoco
-from surefoot.worlds.mujoco.record_contacts import Slots
-from surefoot.worlds.mujoco.record_forces import ForceStages, TreeForces
-from surefoot.worlds.mujoco.record_model import ModelWatch, TorqueDemand, foot_geoms, model_facts
+from surefoot.worlds.mujoco.record_capture import Scheme
+from surefoot.worlds.mujoco.record_hooks import StepHooks
+from surefoot.worlds.mujoco.record_model import foot_geoms, model_facts
+from surefoot.worlds.mujoco.record_open import OpenContacts
+from surefoot.worlds.mujoco.record_rows import RecordedRows
 from surefoot.worlds.mujoco.record_tree import BodyTree
 
-MOST_STEPS = 10**9
-"""Largest number of steps of a recording."""
+_READ_LATER = ("arrays", "facts", "channels", "sizes")
+"""Attributes of a log that are worked out when one of them is first asked for."""
+
+
+JUMP = 0.05
+"""Change of a position between two steps from which the state was set by hand, and not corrected [m, rad, -].
+
+A judgement: who lifts a robot out of the ground or normalises a quaternion stays below.
+"""
+RARE = 0.02
+"""Share of rows that may begin with such a change, to be resets; a judgement."""
 
 
 class Recording(Log):
@@ -34,176 +47,222 @@ class Recording(Log):
             raise ProblemError(
                 f"record takes an MjModel and its MjData, got {type(model).__name__} and others"
             )
-        self._model, self._data = model, data
+        self._model, self._data, self._option = model, data, model.opt
         self._tree = BodyTree(self._mujoco, model, robot)
-        self._slots = Slots(self._mujoco, model, self._tree.bodies, self._tree.mount)
-        self._stages = ForceStages(self._mujoco, model)
-        self._forces = TreeForces(self._mujoco, model, self._tree)
-        self._asked = TorqueDemand(self._mujoco, model, self._tree)
-        self._watch = ModelWatch(self._mujoco, model)
-        self._facts = self._model_facts()
-        self._rows = Recorder(MOST_STEPS, _STATE, nq=model.nq, nv=model.nv, joints=self._tree.joints)
-        self._original: Any = None
-        self._before: tuple[Any, Any, float] | None = None
-        self._left_out = 0
-
-    def _model_facts(self) -> dict[str, Any]:
-        """Return what the log keeps of the model, as it is before the first step."""
-        names = [self._slots.name(geom) for geom in range(self._model.ngeom)]
-        return model_facts(self._mujoco, self._model, self._tree, names)
+        self._rows = RecordedRows(self._mujoco, model, data, self._tree)
+        names = [self._rows.slots.name(geom) for geom in range(model.ngeom)]
+        self._facts = model_facts(self._mujoco, model, self._tree, names)
+        self._hooks = StepHooks(self._mujoco, model, data, self)
+        kinds = self._mujoco.mjtIntegrator
+        self._schemes = {int(kinds.mjINT_EULER): Scheme.EULER, int(kinds.mjINT_RK4): Scheme.RK4}
+        self._open = False
+        self._start = self._last = 0.0
+        self._episodes = [0]
+        self._reset = False
+        self._left_out = self._unseen = 0
+        self._ending: tuple[Ending, str] | None = None
 
     def __enter__(self) -> Recording:
-        self._original = self._mujoco.mj_step
-        self._mujoco.mj_step = self._mj_step
+        self._hooks.install()
         start = self._mujoco.MjData(self._model)
         start.qpos[:] = self._data.qpos
         self._mujoco.mj_kinematics(self._model, start)
         self._feet = foot_geoms(self._model, start, self._tree)
-        self._remember()
+        self._start = self._last = self._data.time
+        self._rows.raw.remember()
+        self._open = True
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._mujoco.mj_step = self._original
+        self._hooks.remove()
+        self._open = False
         if self._rows.count == 0:
-            self._rows.abandon()
             if kind is not None:
                 return  # what happened says more
             raise ProblemError(
                 "no step was seen: call mujoco.mj_step(model, data) inside the with, or log.step() after "
                 "a step that was made in another way"
             )
-        self._finish(Ending.DONE if kind is None else Ending.INTERRUPTED, error)
+        self.look()
+        ending = Ending.DONE if kind is None else Ending.INTERRUPTED
+        self._ending = ending, "" if error is None else f"{type(error).__name__}: {error}"
+        for name in _READ_LATER:
+            del self.__dict__[name]
 
-    def _mj_step(self, model: Any, data: Any, nstep: int = 1) -> None:
-        """Step as MuJoCo does, and record every step of the data that is watched."""
-        if data is not self._data:
-            self._original(model, data, nstep)
-            return
-        for _ in range(nstep):
-            self._remember()
-            self._original(model, data)
-            self.step()
+    def __getattr__(self, name: str) -> Any:
+        if name not in _READ_LATER or self.__dict__.get("_ending") is None:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        self._finish(*self.__dict__["_ending"])
+        return self.__dict__[name]
 
-    def _remember(self) -> None:
-        self._before = self._data.qpos.copy(), self._data.qvel.copy(), self._data.time
-        self._stages.remember(self._data)
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Log, (self.arrays, self.facts, self.parts, self.channels)
+
+    def begin_step(self) -> None:
+        """Keep the state that a step starts from; called by MuJoCo's functions."""
+        self.look()
+        self._rows.raw.remember()
+        self._start = self._data.time
+
+    def end_step(self, scheme: Scheme | None) -> None:
+        """Record the step that began at `begin_step`; called by MuJoCo's functions."""
+        now, time, step = self._data.time, self._start, self._option.timestep
+        if not abs(now - time - step) < 1e-6 * step + 1e-12:
+            self._left_out += 1
+            self._reset = self._reset or now < time + step
+            self._rows.raw.remember()
+        else:
+            if self._reset:
+                self._begin_episode()
+            if scheme is None:
+                scheme = self._schemes.get(self._option.integrator, Scheme.IMPLICIT)
+            self._rows.take(time, step, scheme)
+        self._last = now
+
+    def look(self) -> None:
+        """Compare the clock with what it was after the last step: time that moved was not seen."""
+        moved = self._data.time - self._last
+        if moved:
+            if moved < 0.0:
+                self._reset = True
+            elif not self._reset and moved > 1e-6 * self._option.timestep:
+                self._unseen += 1
+            self._last = self._data.time
+
+    def end_episode(self) -> None:
+        """End the episode: what comes next starts from a state that was set."""
+        self._reset = True
+        self._last = self._data.time
+
+    def _begin_episode(self) -> None:
+        """Begin an episode with the row that comes next."""
+        self._reset = False
+        if self._rows.count > self._episodes[-1]:
+            self._episodes.append(self._rows.count)
 
     def step(self) -> None:
-        """Record the step that was just made by other means than ``mujoco.mj_step``.
+        """Record the step that was just made by other means than MuJoCo's functions in Python.
 
-        A step after the state was set or reset by hand has no known start: it is left out, and named in the
-        doubts.
+        A step that was seen is not recorded twice. One after the state was set or reset by hand has no
+        known start: it is left out, and named in the doubts.
         """
-        if self._before is None:
+        if not self._open:
             raise ProblemError("log.step() belongs inside the with")
-        qpos, qvel, time = self._before
-        rows, tree, data = self._rows, self._tree, self._data
-        step = float(self._model.opt.timestep)
-        if not abs(data.time - time - step) < 1e-6 * step + 1e-12:
-            self._left_out += 1
-            self._remember()
-            return
-        at = rows.slot()
-        row = rows.arrays
-        row["time"][at], row["q"][at], row["v"][at] = time, qpos, qvel
-        row["torques"][at] = tree.torques(data)
-        row["torques_commanded"][at] = self._asked.read(data)
-        row["pushed_body"][at] = tree.pushed_place(data)
-        self._watch.look(time)
-        change = data.qvel - qvel
-        for k, (weight, instant) in enumerate(self._stages.of(data)):
-            if k == 0:
-                self._forces.begin(instant, qvel)
-            rate = change / step if instant is data else instant.qacc
-            self._forces.add(instant, weight, change, rate, self._slots.read(instant, weight))
-        row["inner_force"][at], bodies = self._slots.inner_now
-        row["inner_bodies"][at] = [tree.place.get(body, -1) for body in bodies]
-        self._slots.close(rows.count)
-        rows.count += 1
-        self._remember()
+        if self._data.time != self._last:
+            self._start = self._last
+            self._rows.raw.start_from_last()
+            self.end_step(None)
 
-    def _finish(self, ending: Ending, error: BaseException | None) -> None:
+    def _finish(self, ending: Ending, error: str) -> None:
         """Become the log of the rows so far."""
-        state, tree = self._rows.finish({}), self._tree
-        self._slots.arrange()
-        points = self._slots.arrays(len(state))
-        q, v = np.array(state["q"]), np.array(state["v"])
-        self._slots.fill_open(q, v, points)
-        arrays = {name: state[name] for name in ("time", "torques")} | points | self._forces.rows()
+        tree, rows, slots = self._tree, self._rows, self._rows.slots
+        arrays, model = rows.channels(), rows.model
+        slots.arrange()
+        points = slots.arrays(len(arrays["time"]))
+        q, v = arrays.pop("q"), arrays.pop("v")
+        self._episodes = sorted({*self._episodes, *_jumps(q, arrays.pop("end_q"))})
+        OpenContacts(self._mujoco, model, slots.points).fill(q, v, points)
+        self._leave_out_empty_channels(arrays)
+        arrays |= points
         arrays["q"], arrays["v"] = tree.pinocchio(q, v)
-        arrays |= self._of_the_model(state)
-        if not tree.joints:
-            del arrays["torques"]
         friction = arrays["contact_friction"]
         if friction.size and (friction == friction[0, 0]).all():
             arrays["mu"] = friction[:, 0]
-        facts: dict[str, Any] = {
+        facts = {
             "source": "MuJoCo",
             "kind": "recording",
             "outcome": str(ending),
             "mass": tree.mass,
-            "dt": float(self._model.opt.timestep),
+            "dt": float(model.opt.timestep),
             "joints": tree.joint_names,
-            "armature": self._model.dof_armature[tree.joint_dofs],
-            "gravity": np.array(self._model.opt.gravity),
-            "robot": self._tree.title,
+            "armature": model.dof_armature[tree.joint_dofs],
+            "gravity": np.array(model.opt.gravity),
+            "robot": tree.title,
             **self._facts,
-            **self._watch.facts(),
-            **self._slots.facts(self._feet),
+            **rows.watch.facts(),
+            **slots.facts(self._feet),
+            **self._more_facts(error),
         }
-        if self._asked.known:
-            facts["model_torque_limits"] = self._asked.limits
+        load = tree.mass * float(np.linalg.norm(model.opt.gravity))
+        facts |= slots.softness(q, points, load)
+        Log.__init__(self, arrays, {k: f for k, f in facts.items() if np.size(f)})
+        self.facts["doubts"] = [*self._own_doubts(), *self._found_doubts()]
+
+    def _leave_out_empty_channels(self, arrays: dict[str, Any]) -> None:
+        """Leave out what no actuator, push, inner contact or solver fills."""
+        if not (self._rows.asked.known and self._tree.joints):
+            del arrays["torques_commanded"]
+        if not self._tree.joints:
+            del arrays["torques"]
+        if not (arrays["pushed_body"] >= 0.0).any():
+            del arrays["pushed_body"]
+        if not arrays["inner_force"].any():
+            del arrays["inner_force"], arrays["inner_bodies"]
+        if not arrays["solver_error"].any():
+            del arrays["solver_error"]
+
+    def _more_facts(self, error: str) -> dict[str, Any]:
+        """Return the facts that only some recordings have."""
+        tree, facts = self._tree, dict[str, Any]()
+        if self._rows.asked.known:
+            facts["model_torque_limits"] = self._rows.asked.limits
         if tree.free is not None and len(tree.free) < 6:
             facts["free_wrenches"] = tree.free
-        if self._stages.four:
+        if self._rows.replay.four:
             facts["velocities"] = "mean"
-        if self._forces.outside:
+        if self._rows.forces.outside:
             facts["outside"] = [
                 f"{name}: up to {force:.3g} N, {moment:.3g} N m"
-                for name, (force, moment) in self._forces.outside.items()
+                for name, (force, moment) in self._rows.forces.outside.items()
             ]
-        if error is not None:
-            facts["error"] = f"{type(error).__name__}: {error}"
-        facts |= self._slots.softness(q, points, tree.mass * float(np.linalg.norm(self._model.opt.gravity)))
-        Log.__init__(self, arrays, {k: f for k, f in facts.items() if np.size(f)})
-        self.facts["doubts"] = [*self._own_doubts(), *find_doubts(self)]
+        if len(self._episodes) > 1:
+            facts["episode_rows"] = np.array(self._episodes)
+        if self._unseen:
+            facts["unseen_steps"] = self._unseen
+        if error:
+            facts["error"] = error
+        return facts
 
-    def _of_the_model(self, state: Log) -> dict[str, Any]:
-        """Return what the model's actuators, pushes and inner contacts fill, where there are any."""
-        out: dict[str, Any] = {}
-        if self._asked.known and self._tree.joints:
-            out["torques_commanded"] = state["torques_commanded"]
-        if (np.asarray(state["pushed_body"]) >= 0.0).any():
-            out["pushed_body"] = state["pushed_body"]
-        if np.asarray(state["inner_force"]).any():
-            out |= {name: state[name] for name in ("inner_force", "inner_bodies")}
-        return out
+    def _found_doubts(self) -> list[str]:
+        """Return what is not plausible, episode by episode."""
+        parts = self.episodes
+        if len(parts) == 1:
+            return find_doubts(self)
+        return [f"episode {k}: {line}" for k, part in enumerate(parts, 1) for line in find_doubts(part)]
 
     def _own_doubts(self) -> list[str]:
         """Return what a recording cannot tell about this model."""
-        out = []
+        out, replay, tree = [], self._rows.replay, self._tree
+        if self._unseen:
+            out.append(
+                f"rows are missing in {self._unseen} places: time moved without a step that was seen; call "
+                "log.step() after steps that are not made by MuJoCo's functions in Python"
+            )
         if self._left_out:
             out.append(
-                f"{self._left_out} steps are left out: the state had been set by hand, or time stood still"
+                f"{self._left_out} steps are left out: the state had been set by hand, or MuJoCo reset it"
             )
-        if self._stages.missed:
-            out.append(f"{self._stages.missed} steps of Runge and Kutta came out otherwise when made again")
-        if self._slots.inner:
-            out.append(f"{self._slots.inner} contacts of the robot with itself are not in the log")
-        if self._tree.others:
-            named = ", ".join(self._tree.others[:3])
-            out.append(f"more bodies move ({named}): the robot is taken to be {self._tree.name}")
+        if replay.missed:
+            out.append(f"{replay.missed} steps of Runge and Kutta came out otherwise when made again")
+        if replay.unsure:
+            out.append(f"the solver's error is not known in {replay.unsure} steps: made again they differ")
+        if self._rows.slots.inner:
+            out.append(f"{self._rows.slots.inner} contacts of the robot with itself are not in the log")
+        if tree.others:
+            named = ", ".join(tree.others[:3])
+            out.append(f"more bodies move ({named}): the robot is taken to be {tree.name}")
         return out
 
 
-_STATE = [
-    CHANNELS[name]
-    for name in (
-        "time", "q", "v", "torques", "torques_commanded", "pushed_body", "inner_force", "inner_bodies",
-    )
-]  # fmt: skip
+def _jumps(start: FloatArray, end: FloatArray) -> list[int]:
+    """Return the rows that start elsewhere than the row before ended, from (T, nq) positions; rare ones only.
+
+    Where a loop sets the state again and again, as one that holds a trunk in place does, none is a reset.
+    """
+    far = np.abs(start[1:] - end[:-1]).max(axis=1, initial=0.0) > JUMP
+    return (np.flatnonzero(far) + 1).tolist() if far.sum() <= RARE * far.size else []
 
 
 def record(model: Any, data: Any, robot: str | None = None) -> Recording:
