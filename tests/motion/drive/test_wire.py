@@ -15,7 +15,9 @@ from surefoot.motion.control.controller import JointTargets
 
 pytest.importorskip("cyclonedds", reason="the wire is of surefoot[wire]")
 
+from surefoot.motion.drive.wire.dds_types import carrier_type, dds_type
 from surefoot.motion.drive.wire.dialect import dialect_of
+from surefoot.motion.drive.wire.messages import GO_COMMAND, GO_STATE, HG_COMMAND, HG_STATE, Structure
 from surefoot.motion.drive.wire.packed import PackedMessage
 
 GO2_WEIGHT = 157.8
@@ -24,6 +26,14 @@ ROBOTS = {"go2": (812, 1180), "g1": (1004, 2092)}
 """Sizes of Unitree's C structures of commands and states [bytes]."""
 CHECKSUMS = {"go2": (0xAE6B986F, 0xF33BAD20), "g1": (0x674CCCAE, 0xD9500433)}
 """Of the messages below: remainders of long divisions of the C structures that `struct` packs."""
+
+ANNOUNCED = {
+    GO_STATE: ("853a99e23d0daa1610b65c526b40", "08f239c471d3a27e67e7c7723184"),
+    GO_COMMAND: ("832876ceec9737d69f6ed62a3f63", "52cc8eb0d427d692aa2b20a90540"),
+    HG_STATE: ("2f38296b52aa0230b92d378b1e39", "2be9706c9587e8d8afd8bfc6de7b"),
+    HG_COMMAND: ("6569fc15f0d47aa8600b9e91fbbc", "42b0283aa7e1bb592ec898a0dbed"),
+}
+"""How Cyclone DDS 0.10.2 announces the types of Unitree's SDK: hashes of the minimal and complete type."""
 
 
 def readings(joints: int) -> sf.RobotReadings:
@@ -48,10 +58,11 @@ def test_messages_come_back(name: str) -> None:
     assert (command.layout.structure, message.layout.structure) == ROBOTS[name]
     assert (message["crc"], command["crc"]) == CHECKSUMS[name]
     for packed in (message, command):  # field by field, as cyclonedds does it for anybody's messages
-        unpacked = packed.kind.__idl__.deserialize(bytes(packed.data))
-        assert packed.kind.__idl__.serialize(unpacked, use_version_2=False) == packed.data
-        other = packed.kind.__idl__.serialize(unpacked, use_version_2=True)
-        assert packed.kind.deserialize(other).data == packed.data
+        idl = dds_type(packed.kind).__idl__
+        unpacked = idl.deserialize(bytes(packed.data))
+        assert idl.serialize(unpacked, use_version_2=False) == packed.data
+        other = idl.serialize(unpacked, use_version_2=True)
+        assert carrier_type(packed.kind).deserialize(other).data == packed.data
     assert unpacked.motor_cmd[3].tau == pytest.approx(asked.feedforward[3])
 
 
@@ -86,6 +97,16 @@ def test_void_messages(name: str) -> None:
     assert heard is not None
     assert heard.feedforward[2] == heard.stiffness[2] == heard.damping[2] == 0.0
     assert heard.feedforward[3] == 1.0
+
+
+@pytest.mark.parametrize("kind", ANNOUNCED, ids=lambda kind: f"{kind.family}.{kind.name}")
+def test_types_are_announced_as_an_older_dds_knows_them(kind: Structure) -> None:
+    """`uint8` of Cyclone DDS 11 is unknown to 0.10.2, and ends every process of it on the topic."""
+    idl = carrier_type(kind).__idl__
+    idl.fill_type_data()
+    announced = idl.get_type_info()
+    hashes = [getattr(announced, of).typeid_with_size.type_id.value.hex() for of in ("minimal", "complete")]
+    assert tuple(hashes) == ANNOUNCED[kind]
 
 
 AT_THE_END = """
