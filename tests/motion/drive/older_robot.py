@@ -9,7 +9,7 @@ import json
 import runpy
 import sys
 import time
-from functools import lru_cache
+from functools import cache
 
 from cyclonedds.domain import Domain, DomainParticipant
 from cyclonedds.idl import make_idl_struct, types
@@ -25,7 +25,7 @@ CONFIG = (
 """As Unitree's SDK configures it: discovery is left to its defaults."""
 
 
-@lru_cache(maxsize=None)
+@cache
 def idl_type(structure):
     """Return the type that Unitree's SDK would have: eight bits are `uint8`."""
     fields = {}
@@ -35,7 +35,7 @@ def idl_type(structure):
         else:
             one = getattr(types, "uint8" if kind == "byte" else kind)
         fields[name] = one if count is None else types.array[one, count]
-    full = "{}.msg.dds_.{}".format(structure.family, structure.name)
+    full = f"{structure.family}.msg.dds_.{structure.name}"
     return autoid("sequential")(final(make_idl_struct(structure.name, full, fields)))
 
 
@@ -64,6 +64,8 @@ def main(messages, domain, seconds):
     while time.monotonic() < end:
         states.write(state)
         for command in commands.take(16):
+            if not hasattr(command, "motor_cmd"):  # a writer that has left
+                continue
             heard += 1
             damping = command.motor_cmd[0].kd
         time.sleep(0.005)

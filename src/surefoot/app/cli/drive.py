@@ -138,23 +138,34 @@ def drive(
         loop = maker.loop(mu, terrain_knowledge)
         log = LoopLog(loop)
         wired = maker.wired(loop, wire, log)
-        gc.freeze()
-        gc.disable()  # the loop collects between its steps
-        wired.wait(PATIENCE)
-        what = "a simulator" if maker.simulator else model.name
-        say(console, f"{what} speaks on {interface}, {1.0 / loop.dt:g} Hz: {model.name} stands up")
-        try:
-            fault = wired.outing(wanted, duration, end)
-        except KeyboardInterrupt:
-            fault = "interrupted"
-            wired.go("damp", 0.5)
-        finally:
-            if out is not None and log.rows:
-                _save(log.log(), out)
+        with _no_garbage():
+            wired.wait(PATIENCE)
+            what = "a simulator" if maker.simulator else model.name
+            say(console, f"{what} speaks on {interface}, {1.0 / loop.dt:g} Hz: {model.name} stands up")
+            try:
+                fault = wired.outing(wanted, duration, end)
+            except KeyboardInterrupt:
+                fault = "interrupted"
+                wired.go("damp", 0.5)
+            finally:
+                if out is not None and log.rows:
+                    _save(log.log(), out)
     outcome = f"ended by a fault: {fault}" if fault else f"stood, walked {duration:g} s, and went to {end}"
     facts = {"fault": fault, "balanced": len(log.rows) * loop.dt}
     show(facts, as_json, lambda console, _: say(console, outcome))
     return 1 if fault else 0
+
+
+@contextmanager
+def _no_garbage() -> Iterator[None]:
+    """Keep Python from collecting garbage by itself: the loop does between its steps."""
+    gc.freeze()
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()
+        gc.unfreeze()
 
 
 def _check_wire(interface: str, config: str, yes_real_robot: bool) -> bool:

@@ -4,9 +4,9 @@ Names, order and types of the fields are the wire's. ``unitree_go`` is for quadr
 ``unitree_hg`` for humanoids (G1). Units: angles [rad], speeds [rad/s], torques [N m], ticks of 1 ms;
 quaternions are (w, x, y, z). No DDS is needed here: `surefoot.motion.drive.wire.dds_types` makes its types.
 
-Whole numbers of eight bits are ``byte``. That is what ``uint8`` is to Cyclone DDS 0.10, which Unitree's SDK and
-its robots run; the ``uint8`` of a newer one is a kind of type unknown to it, and a process that discovers it
-ends with a segmentation fault. The bytes on the wire are the same.
+Whole numbers of eight bits are ``byte``. That is what ``uint8`` is to Cyclone DDS 0.10, which Unitree's SDK
+and its robots run; the ``uint8`` of a newer one is a kind of type unknown to it, and a process that discovers
+it ends with a segmentation fault. The bytes on the wire are the same.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from surefoot.base.errors import SurefootError
-from surefoot.motion.drive.wire.dialect import Dialect
+from surefoot.motion.drive.wire.dialect import TICK, Dialect
 from surefoot.motion.drive.wire.packed import PackedMessage
 from surefoot.motion.drive.wire.transport import Transport
 
@@ -78,10 +78,14 @@ class Survey:
 
     @property
     def rate(self) -> float:
-        """The rate of `RATES` that is nearest to that of the messages [Hz]."""
+        """The rate of `RATES` that is nearest to that of new readings, by ticks or else by arrival [Hz]."""
         if self.messages < FEW:
             return RATES[-1]
-        told = (self.messages - 1) / max(self.arrivals[-1] - self.arrivals[0], 1e-9)
+        ticks = np.diff(np.unique(self.ticks))
+        if len(ticks):
+            told = 1.0 / (TICK * float(np.median(ticks)))
+        else:
+            told = (self.messages - 1) / max(self.arrivals[-1] - self.arrivals[0], 1e-9)
         return min(RATES, key=lambda rate: abs(float(np.log(rate / told))))
 
 
