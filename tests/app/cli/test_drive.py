@@ -25,7 +25,10 @@ from tests.motion.drive.bridge_replica import BridgeReplica
 
 GO2 = sf.load_robot("go2")
 SHORT = ("drive", "go2", "--duration", "1", "--json")
-ETHERNET = "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name='eth0'/></Interfaces></General></Domain></CycloneDDS>"
+ETHERNET = (
+    "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name='eth0'/></Interfaces></General></Domain>"
+    "</CycloneDDS>"
+)
 
 
 class Interrupted(BridgeReplica):
