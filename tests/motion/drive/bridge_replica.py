@@ -92,6 +92,7 @@ class BridgeReplica(SilentWire):
         self.world.reset(lying(robot, self.world.terrain))
         self._random = np.random.default_rng(seed)
         self.torques = np.zeros(robot.joints)
+        self._push: np.ndarray | None = None
         self._message = PackedMessage(self.dialect.state)
         self._next_step = self._next_word = self.clock.now
         self._now = self._before = self._sensed()
@@ -113,7 +114,8 @@ class BridgeReplica(SilentWire):
 
     def _step(self) -> None:
         """Go on by a step of physics, under the torques that are held."""
-        self.world.step(np.clip(self.torques, -self.robot.effort_limits, self.robot.effort_limits))
+        limits = self.robot.effort_limits
+        self.world.step(np.clip(self.torques, -limits, limits), self._push)
         self._before, self._now = self._now, self._sensed()
         self.time += self.dt
 
@@ -152,3 +154,47 @@ class BridgeReplica(SilentWire):
             return self._say()
         self.clock.now = until
         return None
+
+
+LENGTH, GIVES, EASES = 1.0, 0.02, 0.05
+"""Of a strap: its length and by how much a quarter of the weight stretches it [m], how fast it calms [s]."""
+CORNERS = np.array([[x, y, 0.0] for x in (-0.2, 0.2) for y in (-0.1, 0.1)])
+"""Where straps hold a trunk, in its axes [m]."""
+
+
+class HungReplica(BridgeReplica):
+    """The simulator with a robot that hangs, its feet above the ground.
+
+    Parameters
+    ----------
+    robot, level
+        Which one, and whether straps hold its trunk level, or an elastic band the origin of its base alone.
+    """
+
+    def __init__(self, robot: sf.Robot, level: bool) -> None:
+        super().__init__(robot, 500.0)
+        self.level, q = level, robot.nominal.copy()
+        q[2] += 0.12
+        self.height = float(q[2]) + LENGTH
+        self.world.reset(q)
+        self._now = self._before = self._sensed()
+
+    def _step(self) -> None:
+        """Go on by a step, held from above."""
+        q, v = self.world.q_v()
+        rotation, weight = rotation_from_quaternion(q[3:7]), self.robot.mass * 9.81
+        force, moment = np.zeros(3), np.zeros(3)
+        for corner in CORNERS if self.level else [np.zeros(3)]:
+            arm = rotation @ corner
+            way = np.array([*corner[:2], self.height]) - q[:3] - arm
+            length = float(np.linalg.norm(way))
+            up, speed = way / length, rotation @ v[:3] + np.cross(rotation @ v[3:6], arm)
+            stiffness = weight / GIVES * (0.25 if self.level else 1.0)
+            pull = max(stiffness * (length - LENGTH + GIVES - EASES * float(speed @ up)), 0.0) * up
+            force += pull
+            moment += np.cross(arm, pull)
+        body = 1  # the base: MuJoCo's forces act at its centre of mass
+        centre = self.world.data.xipos[body] - q[:3]
+        self.world.data.xfrc_applied[body, 3:] = moment - np.cross(centre, force)
+        self._push = force
+        super()._step()

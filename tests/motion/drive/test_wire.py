@@ -200,12 +200,15 @@ def test_an_older_dds_survives_and_hears_commands() -> None:
 def test_two_processes_walk(tmp_path: os.PathLike[str]) -> None:
     """Up, 0.5 m/s for 4 s, stop, sit: in slow motion, since machines that run tests are busy."""
     log = os.path.join(tmp_path, "walk.mcap")
-    wire = ["--domain", str(60 + os.getpid() % 100), "--slow-motion"]
+    domain = free_domain(60)
+    wire = ["--domain", str(domain), "--slow-motion"]
     start = [sys.executable, "-m", "surefoot"]
     robot = subprocess.Popen(
         [*start, "robot", "go2", "--seconds", "16.0", "--json", *wire], stdout=subprocess.PIPE, text=True
     )
     try:
+        with closing(WireEnd(dialect_of(sf.load_robot("go2")), False, "lo", domain)) as end:
+            assert until(lambda: end.receive(0.5) is not None, 120.0)  # machines that run tests are busy
         drive = [*start, "drive", "go2", "--duration", "4", "--out", log, "--json", *wire]
         done = subprocess.run(drive, capture_output=True, text=True, check=False, timeout=300)
         said = json.loads(robot.communicate(timeout=120)[0])

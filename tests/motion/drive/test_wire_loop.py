@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+import pinocchio
 import pytest
 
 import surefoot as sf
 from surefoot.base.errors import SurefootError
 from surefoot.motion.control.controller import JointTargets
+from surefoot.motion.drive.foot_load import carried_share, hangs
 from surefoot.motion.drive.readings import ReadingLimits
 from surefoot.motion.drive.robot_loop import RobotLoop
 from surefoot.motion.drive.wire.dialect import dialect_of
@@ -15,7 +17,7 @@ from surefoot.motion.drive.wire.packed import PackedMessage
 from surefoot.motion.drive.wire.simulator import SimulatorClock, simulator_limits
 from surefoot.motion.drive.wire.survey import listen, refuse_void
 from surefoot.motion.drive.wire.wired_loop import WiredLoop
-from tests.motion.drive.bridge_replica import BridgeReplica, MadeUpClock, SilentWire
+from tests.motion.drive.bridge_replica import BridgeReplica, HungReplica, MadeUpClock, SilentWire
 
 GO2 = sf.load_robot("go2")
 LEVEL, UP = np.array([0.0, 0.0, 0.0, 1.0]), np.array([0.0, 0.0, 9.81])
@@ -62,6 +64,46 @@ def test_a_simulated_robot_stands_walks_and_sits(
     assert x > 2.0
     assert max(heights) > 0.32
     assert z < 0.2
+
+
+@pytest.mark.parametrize("level", [True, pytest.param(False, marks=pytest.mark.long)], ids=["straps", "band"])
+def test_a_robot_that_hangs_says_that_its_feet_carry_nothing(
+    level: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Straps that hold its trunk level let it stretch its legs; it does not balance on air."""
+    bridge = HungReplica(GO2, level)
+    bridge.clock.rule(monkeypatch)
+    wired = wired_to(bridge)
+    lowest: list[float] = []
+    wired.watch = lambda _: lowest.append(float(GO2.foot_positions(bridge.world.q_v()[0])[:, 2].min()))
+    fault = wired.outing([0.5, 0.0, 0.0], 5.0, "sit")
+    assert "the feet carry nothing" in fault
+    assert wired.loop.mode.value == "damp"
+    assert min(lowest) > 0.03  # it does hang
+    if level:
+        assert fault.startswith("the feet carry nothing")
+        assert bridge.time < 8.0
+
+
+def test_what_feet_carry() -> None:
+    """From the torques of a pose: against the weight itself, on the ground and in the air."""
+    q, still = GO2.nominal, np.zeros(12)
+    data = GO2.model.createData()
+    weight = pinocchio.computeGeneralizedGravity(GO2.model, data, q)[6:]
+    feet = GO2.foot_positions(q)
+    step, rows = 1e-6, np.zeros((12, 12))  # differences of the feet's places by the joints' angles
+    for j in range(12):
+        moved = q.copy()
+        moved[7 + j] += step
+        rows[:, j] = ((GO2.foot_positions(moved) - feet) / step).ravel()
+    for share in (0.0, 0.1, 0.3, 1.0):
+        force = np.tile([1.0, -2.0, share * GO2.mass * 9.81 / 4.0], 4)
+        torques = weight - rows.T @ force
+        reading = sf.RobotReadings(0.0, LEVEL, np.zeros(3), UP, q[7:], still, torques)
+        assert carried_share(GO2, reading) == pytest.approx(share, abs=1e-3)
+        assert hangs(GO2, reading) == (share < 0.15)
+    assert not hangs(GO2, sf.RobotReadings(0.0, LEVEL, np.zeros(3), UP, q[7:], still, still))
+    assert not hangs(GO2, None)
 
 
 class SaysOne(SilentWire):

@@ -1,8 +1,8 @@
 """Twenty fixed commands of each family; ``python -m tests.motion.drive.wire_table`` writes their bytes.
 
 The numbers are sixteenths and the like, so that they are exact in single precision. The bytes in
-`wire_table.json` are ours. On 2026-11-26 they were compared with those that unitree_sdk2_python packs and seals
-under Cyclone DDS 0.10.2: all forty were equal.
+`wire_table.json` are ours. On 2026-11-26 they were compared with those that unitree_sdk2_python packs and
+seals under Cyclone DDS 0.10.2: all forty were equal.
 """
 
 from __future__ import annotations
