@@ -21,7 +21,7 @@ from surefoot.app.cli.signals import ends_softly
 from surefoot.motion.drive.wire import dds_config
 from surefoot.motion.drive.wire.dialect import Dialect, dialect_of
 from surefoot.motion.drive.wire.packed import PackedMessage
-from tests.motion.drive.bridge_replica import BridgeReplica
+from tests.motion.drive.bridge_replica import BridgeReplica, SilentWire
 
 GO2 = sf.load_robot("go2")
 SHORT = ("drive", "go2", "--duration", "1", "--json")
@@ -129,6 +129,17 @@ def test_a_second_commander_is_named(bridge: BridgeReplica, capsys: pytest.Captu
     assert main([*SHORT]) == 2
     assert "somebody else commands the robot: surefoot, process 12 on desk" in capsys.readouterr().err
     assert not bridge.sent
+
+
+def test_silence_gets_a_hint_beside_the_json(
+    bridge: BridgeReplica, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bridge, "receive", lambda timeout: SilentWire.receive(bridge, timeout))
+    assert main([*SHORT]) == 2
+    out, error = capsys.readouterr()
+    assert not out
+    assert "nothing heard for 5 s" in error
+    assert "no robot speaks on the wire: 30 s without a state" in error
 
 
 def test_the_user_s_configuration_of_dds_counts(

@@ -83,16 +83,19 @@ def test_no_process_waits_for_the_wire_at_its_end() -> None:
 
 
 TALK = """
-import sys, time
+import sys
 import surefoot as sf
+from surefoot.motion.drive.wire.packed import PackedMessage
 from surefoot.motion.drive.wire.dialect import dialect_of
 from surefoot.motion.drive.wire.link import WireEnd
-end = WireEnd(dialect_of(sf.load_robot("go2")), False, "lo", int(sys.argv[1]))
-print("here", flush=True)
+dialect = dialect_of(sf.load_robot("go2"))
+end = WireEnd(dialect, False, "lo", int(sys.argv[1]))
+sys.stdin.readline()
+end.send(PackedMessage(dialect.command).seal())
 sys.stdin.read()
 end.close()
 """
-"""A controller that commands nothing and stays until its standard input ends."""
+"""A controller that listens, commands once when it is given a line, and stays until its input ends."""
 
 
 def until(happens: Callable[[], bool], seconds: float = 60.0) -> bool:
@@ -123,6 +126,12 @@ def test_who_else_commands_is_known_and_named() -> None:
             text=True,
         )
         try:
+            assert until(lambda: bool(end.neighbours()))
+            time.sleep(0.5)
+            assert not end.rivals()  # who only listens is none
+            assert other.stdin is not None
+            other.stdin.write("now\n")
+            other.stdin.flush()
             assert until(lambda: bool(end.rivals()))
             (name,) = end.rivals()
             assert f"process {other.pid}" in name
@@ -194,6 +203,44 @@ def test_an_older_dds_survives_and_hears_commands() -> None:
     assert other.returncode == 0  # or minus the signal that ended it
     said = json.loads(other.communicate()[0])
     assert (said["damping"], said["heard"] > 10, heard > 10) == (1.5, True, True)
+
+
+PUBLISHED = os.environ.get("SUREFOOT_UNITREE_MUJOCO", ""), os.environ.get("SUREFOOT_UNITREE_SDK2_PYTHON", "")
+"""Folders of the published simulator and of the SDK that it needs."""
+
+
+@pytest.mark.long
+@pytest.mark.skipif(
+    not (OLDER and all(PUBLISHED)),
+    reason="SUREFOOT_UNITREE_MUJOCO, SUREFOOT_UNITREE_SDK2_PYTHON, SUREFOOT_OLDER_DDS: folders and a Python",
+)
+@pytest.mark.parametrize("rate", 5 * [200, 500])
+def test_the_published_simulator_walks(rate: int) -> None:
+    """Backwards, since stairs are in front of it in its scene; in lockstep, since machines are busy."""
+    domain = free_domain(20 + 20 * (rate == 500))
+    program = [
+        OLDER,
+        str(Path(__file__).with_name("published_simulator.py")),
+        *PUBLISHED,
+        str(domain),
+        str(rate),
+    ]
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    simulator = subprocess.Popen(
+        [*program, "60", "lockstep"], stdout=subprocess.PIPE, text=True, env=environment
+    )
+    how = ["--slow-motion", "--simulator", "--rate", str(rate), "--domain", str(domain), "--json"]
+    drive = [sys.executable, "-m", "surefoot", "drive", "go2", "--velocity=-0.5,0,0", "--duration", "5", *how]
+    try:
+        done = subprocess.run(drive, capture_output=True, text=True, check=False, timeout=300)
+        assert done.returncode == 0, done.stdout + done.stderr
+        said = json.loads(simulator.communicate(timeout=120)[0].splitlines()[-1])
+    finally:
+        simulator.kill()
+    assert simulator.returncode == 0
+    assert said["place"][0] < -2.0
+    assert said["highest"] > 0.3
+    assert said["place"][2] < 0.25
 
 
 @pytest.mark.long

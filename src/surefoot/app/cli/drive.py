@@ -132,7 +132,7 @@ def drive(
         wire_end(model, False, interface, domain, config, simulator) as (wire, dialect),
         ends_softly(emergency=True),
     ):
-        survey = listen(wire, dialect, PATIENCE, slow=slow_motion, hint=lambda text: say(console, text))
+        survey = listen(wire, dialect, PATIENCE, slow=slow_motion, hint=_hint)
         maker = _LoopMaker(model, dialect, survey, simulator, rate, slow_motion)
         maker.check(outside)
         loop = maker.loop(mu, terrain_knowledge)
@@ -154,6 +154,11 @@ def drive(
     facts = {"fault": fault, "balanced": len(log.rows) * loop.dt}
     show(facts, as_json, lambda console, _: say(console, outcome))
     return 1 if fault else 0
+
+
+def _hint(text: str) -> None:
+    """Say what to look at, beside what is printed for programs."""
+    say(plain_console(stderr=True), text)
 
 
 @contextmanager

@@ -90,7 +90,9 @@ class WireEnd:
         kinds = zip(topics, (dialect.state, dialect.command), strict=True)
         states, commands = (Topic(party, name, carrier_type(kind)) for name, kind in kinds)
         said, heard = (states, commands) if robot_side else (commands, states)
-        self._writer, self._reader = DataWriter(party, said), DataReader(party, heard)
+        self._reader, self._said = DataReader(party, heard), said
+        # who only listens is no rival: commands have no writer before the first of them
+        self._writer: Any = DataWriter(party, said) if robot_side else None
         # who else writes commands is known to DDS once somebody would read them
         own = Qos(Policy.IgnoreLocal.Participant)
         self._others = None if robot_side else DataReader(party, commands, own)
@@ -102,6 +104,10 @@ class WireEnd:
 
     def send(self, message: PackedMessage) -> None:
         """Send a message."""
+        if self._writer is None:
+            from cyclonedds.pub import DataWriter
+
+            self._writer = DataWriter(self._party, self._said)
         self._carrier.data = bytes(message.data)
         self._writer.write(self._carrier)
 
@@ -150,4 +156,4 @@ class WireEnd:
 
     def close(self) -> None:
         """Leave the wire."""
-        del self._waiting, self._writer, self._reader, self._others, self._party
+        del self._waiting, self._writer, self._reader, self._others, self._said, self._party

@@ -112,7 +112,9 @@ class WiredLoop:
                 self.refused[self.dialect.refusal(message)] += 1
             if self.simulator is None or readings is None:
                 return message, readings
-            time = self.simulator.stamp(readings.time, clock.perf_counter())
+            # in slow motion a step has no length by any clock
+            now = self.loop.time + self.loop.dt if self.slow else clock.perf_counter()
+            time = self.simulator.stamp(readings.time, now)
             if time is not None:
                 return message, readings._replace(time=time)
 
