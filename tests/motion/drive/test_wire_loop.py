@@ -9,7 +9,7 @@ import pytest
 import surefoot as sf
 from surefoot.base.errors import SurefootError
 from surefoot.motion.control.controller import JointTargets
-from surefoot.motion.drive.foot_load import carried_share, hangs
+from surefoot.motion.drive.foot_load import hangs, load_share
 from surefoot.motion.drive.readings import ReadingLimits
 from surefoot.motion.drive.robot_loop import RobotLoop
 from surefoot.motion.drive.wire.dialect import dialect_of
@@ -100,7 +100,7 @@ def test_what_feet_carry() -> None:
         force = np.tile([1.0, -2.0, share * GO2.mass * 9.81 / 4.0], 4)
         torques = weight - rows.T @ force
         reading = sf.RobotReadings(0.0, LEVEL, np.zeros(3), UP, q[7:], still, torques)
-        assert carried_share(GO2, reading) == pytest.approx(share, abs=1e-3)
+        assert load_share(GO2, reading) == pytest.approx(share, abs=1e-3)
         assert hangs(GO2, reading) == (share < 0.15)
     assert not hangs(GO2, sf.RobotReadings(0.0, LEVEL, np.zeros(3), UP, q[7:], still, still))
     assert not hangs(GO2, None)

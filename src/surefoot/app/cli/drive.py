@@ -112,18 +112,10 @@ def drive(
     """
     from surefoot.motion.drive.loop_log import LoopLog
     from surefoot.motion.drive.wire.survey import listen
-    from surefoot.records.log.formats import new_file
 
     config = own_config(dds_config)
     outside = _check_wire(interface, config, yes_real_robot)
-    if out is not None:
-        new_file(out)
-        check_out(out.parent)
-    check_name("--end", end, ("sit", "lie"))
-    check_name("--terrain-knowledge", terrain_knowledge, ("exact", "blind"))
-    real_number("--duration", duration, low=0.0, high=parsing.FOREVER)
-    if rate is not None:
-        real_number("--rate", rate, low=50.0, high=1000.0)
+    _check_options(out, end, terrain_knowledge, duration, rate)
     parsing.friction("--mu", mu)
     wanted = parsing.velocity(velocity)
     model = load(robot, None, feet_needed=True)
@@ -137,23 +129,28 @@ def drive(
         maker.check(outside)
         loop = maker.loop(mu, terrain_knowledge)
         log = LoopLog(loop)
-        wired = maker.wired(loop, wire, log)
+        wired = maker.connect(loop, wire, log)
         with _no_garbage():
             wired.wait(PATIENCE)
             what = "a simulator" if maker.simulator else model.name
             say(console, f"{what} speaks on {interface}, {1.0 / loop.dt:g} Hz: {model.name} stands up")
-            try:
-                fault = wired.outing(wanted, duration, end)
-            except KeyboardInterrupt:
-                fault = "interrupted"
-                wired.go("damp", 0.5)
-            finally:
-                if out is not None and log.rows:
-                    _save(log.log(), out)
+            fault = _go_out(wired, (wanted, duration, end), out, log)
     outcome = f"ended by a fault: {fault}" if fault else f"stood, walked {duration:g} s, and went to {end}"
     facts = {"fault": fault, "balanced": len(log.rows) * loop.dt}
     show(facts, as_json, lambda console, _: say(console, outcome))
     return 1 if fault else 0
+
+
+def _go_out(wired: WiredLoop, outing: tuple[Any, float, str], out: Path | None, log: LoopLog) -> str:
+    """Return the fault of an outing, empty for none; Ctrl-C damps the robot, and the log is kept."""
+    try:
+        return wired.outing(*outing)
+    except KeyboardInterrupt:
+        wired.go("damp", 0.5)
+        return "interrupted"
+    finally:
+        if out is not None and log.rows:
+            _save(log.log(), out)
 
 
 def _hint(text: str) -> None:
@@ -171,6 +168,20 @@ def _no_garbage() -> Iterator[None]:
     finally:
         gc.enable()
         gc.unfreeze()
+
+
+def _check_options(out: Path | None, end: str, knowledge: str, duration: float, rate: float | None) -> None:
+    """Refuse what `drive` cannot do or write."""
+    from surefoot.records.log.formats import new_file
+
+    if out is not None:
+        new_file(out)
+        check_out(out.parent)
+    check_name("--end", end, ("sit", "lie"))
+    check_name("--terrain-knowledge", knowledge, ("exact", "blind"))
+    real_number("--duration", duration, low=0.0, high=parsing.FOREVER)
+    if rate is not None:
+        real_number("--rate", rate, low=50.0, high=1000.0)
 
 
 def _check_wire(interface: str, config: str, yes_real_robot: bool) -> bool:
@@ -215,7 +226,7 @@ class _LoopMaker:
             self.model, self.dt, motors=self.dialect.motors, mu=mu, terrain=terrain, limits=limits
         )
 
-    def wired(self, loop: RobotLoop, end: WireEnd, log: LoopLog) -> WiredLoop:
+    def connect(self, loop: RobotLoop, end: WireEnd, log: LoopLog) -> WiredLoop:
         """Return the loop at the end of the wire."""
         from surefoot.motion.drive.wire.simulator import SimulatorClock
         from surefoot.motion.drive.wire.wired_loop import WiredLoop

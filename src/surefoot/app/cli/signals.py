@@ -55,7 +55,7 @@ def ends_softly(emergency: bool = False) -> Iterator[EndSignal]:
     if threading.current_thread() is threading.main_thread():
         for name in NAMES:
             number = getattr(signal, name, None)
-            if number is not None and signal.getsignal(number) in _replaced(name, emergency):
+            if number is not None and signal.getsignal(number) in _handlers_to_replace(name, emergency):
                 earlier[number] = signal.signal(number, end)
         if emergency and signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
             earlier[signal.SIGINT] = signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -69,7 +69,7 @@ def ends_softly(emergency: bool = False) -> Iterator[EndSignal]:
             signal.signal(number, handler)
 
 
-def _replaced(name: str, emergency: bool) -> tuple[Any, ...]:
+def _handlers_to_replace(name: str, emergency: bool) -> tuple[Any, ...]:
     """Return the handlers of a signal that are replaced."""
     obeyed = emergency and name == "SIGTERM"
     return (signal.SIG_DFL, signal.SIG_IGN) if obeyed else (signal.SIG_DFL,)

@@ -18,7 +18,7 @@ MAYBE_HANGS = "; if it hangs, the feet carry nothing: keep its trunk level, and 
 """What is said where a robot is not carried by its feet, and where it may not be."""
 
 
-def carried_share(robot: Robot, readings: RobotReadings) -> float:
+def load_share(robot: Robot, readings: RobotReadings) -> float:
     """Return the share of its weight that the feet of a robot at rest carry [-]; nan without torques.
 
     The forces F of the feet are those that explain the torques best: g(q) - tau = J^T F, in the joints' rows.
@@ -52,4 +52,4 @@ def carried_share(robot: Robot, readings: RobotReadings) -> float:
 
 def hangs(robot: Robot, readings: RobotReadings | None) -> bool:
     """Return whether feet at rest carry nothing; not where nothing is read, or no torques."""
-    return readings is not None and carried_share(robot, readings) < NOTHING
+    return readings is not None and load_share(robot, readings) < NOTHING

@@ -19,7 +19,7 @@ with needs("cyclonedds", "wire"):
 FAMILY = "{}.msg.dds_.{}"
 
 
-def _made(structure: Structure) -> Any:
+def _make_type(structure: Structure) -> Any:
     """Return Cyclone DDS's type of a structure, made anew."""
     fields = {}
     for name, kind, count in structure.fields:
@@ -32,7 +32,7 @@ def _made(structure: Structure) -> Any:
 @cache
 def dds_type(structure: Structure) -> Any:
     """Return Cyclone DDS's type of a structure, which packs and unpacks it field by field."""
-    return _made(structure)
+    return _make_type(structure)
 
 
 @cache
@@ -41,7 +41,7 @@ def carrier_type(structure: Structure) -> Any:
 
     Field by field a message takes a quarter of a millisecond.
     """
-    kind = _made(structure)
+    kind = _make_type(structure)
     kind.serialize, kind.deserialize = _bytes, classmethod(_of_bytes)
     return kind
 

@@ -27,7 +27,7 @@ RATES = (100.0, 125.0, 200.0, 250.0, 400.0, 500.0)
 SIMULATOR_HINT = "Unitree's simulators leave these out: for one of them add --simulator"
 
 
-def listed(counts: Counter[str]) -> str:
+def refusals_in_words(counts: Counter[str]) -> str:
     """Return in words how many readings were refused, and why."""
     return ", ".join(f"{n:,} reading{'s' * (n != 1)} with {why}" for why, n in counts.most_common())
 
@@ -144,7 +144,7 @@ def refuse_void(survey: Survey) -> None:
     """
     if sum(survey.refused.values()) == survey.messages:
         raise SurefootError(
-            f"the robot speaks, but nothing that it says can be used: {listed(survey.refused)}. "
+            f"the robot speaks, but nothing that it says can be used: {refusals_in_words(survey.refused)}. "
             f"{SIMULATOR_HINT}"
         )
 

@@ -16,7 +16,7 @@ from surefoot.motion.drive.robot_loop import RobotLoop
 from surefoot.motion.drive.wire.dialect import Dialect
 from surefoot.motion.drive.wire.packed import PackedMessage
 from surefoot.motion.drive.wire.simulator import OVERDUE, SimulatorClock
-from surefoot.motion.drive.wire.survey import listed
+from surefoot.motion.drive.wire.survey import refusals_in_words
 from surefoot.motion.drive.wire.transport import Transport
 
 LATE = 1.5
@@ -131,13 +131,13 @@ class WiredLoop:
         """Why control was lost last, with who else commands and what was refused; empty for no fault."""
         if self.rivals:
             return f"somebody else commands the robot, too: {'; '.join(self.rivals)}"
-        return self._explained(self.loop.fault)
+        return self._explain(self.loop.fault)
 
-    def _explained(self, reason: str) -> str:
+    def _explain(self, reason: str) -> str:
         """Return a reason with how many readings were refused, where none came that could be used."""
         if NOTHING_CAME not in reason or not self.refused:
             return reason
-        return f"{reason} that could be used: {listed(self.refused)} were refused"
+        return f"{reason} that could be used: {refusals_in_words(self.refused)} were refused"
 
     def go(self, goal: str, seconds: float | None = None) -> bool:
         """Go to a mode and stay for a time [s], None until it is reached; return whether no fault came.
@@ -159,7 +159,7 @@ class WiredLoop:
         try:
             loop.go(goal)
         except ProblemError as error:
-            raise ProblemError(self._explained(str(error))) from error
+            raise ProblemError(self._explain(str(error))) from error
         begin = rested = loop.time
         while not loop.fault:
             self.step()
