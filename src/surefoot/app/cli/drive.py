@@ -49,6 +49,19 @@ SlowMotion = Annotated[
     ),
 ]
 
+Rate = Annotated[
+    float | None,
+    typer.Option(help="Readings and commands a second [Hz]; left out: 500, or a simulator's own rate."),
+]
+Simulator = Annotated[
+    bool,
+    typer.Option(
+        "--simulator",
+        help="A simulator speaks: checksum 0 and motors of mode 0 pass, and no clock is strict. Found by "
+        "itself where checksum, tick and modes are all 0, on lo.",
+    ),
+]
+
 
 def own_config(file: Path | None) -> str:
     """Return the user's own configuration of DDS: a file, or what the environment says; empty for none."""
@@ -85,18 +98,8 @@ def drive(
     terrain_knowledge: Annotated[
         str, typer.Option(help="exact: the ground is flat; blind: the plane that the feet find.")
     ] = "exact",
-    rate: Annotated[
-        float | None,
-        typer.Option(help="Readings and commands a second [Hz]; left out: 500, a simulator's own rate."),
-    ] = None,
-    simulator: Annotated[
-        bool,
-        typer.Option(
-            "--simulator",
-            help="A simulator speaks: checksum 0 and motors of mode 0 pass, and no clock is strict. Found by "
-            "itself where checksum, tick and modes are all 0, on lo.",
-        ),
-    ] = False,
+    rate: Rate = None,
+    simulator: Simulator = False,
     slow_motion: SlowMotion = False,
     dds_config: DdsConfig = None,
     yes_real_robot: Annotated[
