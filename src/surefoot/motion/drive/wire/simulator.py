@@ -8,6 +8,8 @@ SOONEST = 0.75
 """A message that comes sooner after the last than this many of the loop's steps is passed over."""
 OVERDUE = 3.0
 """A reading is missing after so many steps since the last: threads of a simulator keep no time."""
+STOPPED = 5.0
+"""Time after which a reading is missing in slow motion, where a busy computer stops a simulator [s]."""
 FASTEST, TURNING = 20.0, 5.0
 """Speeds of a joint and of the base [rad/s] at which a copy that mixes two steps is still believed: what
 Unitree's motors can do, and a base that tumbles."""

@@ -15,7 +15,7 @@ from surefoot.motion.drive.readings import RobotReadings
 from surefoot.motion.drive.robot_loop import RobotLoop
 from surefoot.motion.drive.wire.dialect import Dialect
 from surefoot.motion.drive.wire.packed import PackedMessage
-from surefoot.motion.drive.wire.simulator import OVERDUE, SimulatorClock
+from surefoot.motion.drive.wire.simulator import OVERDUE, STOPPED, SimulatorClock
 from surefoot.motion.drive.wire.survey import refusals_in_words
 from surefoot.motion.drive.wire.transport import Transport
 
@@ -64,6 +64,7 @@ class WiredLoop:
         self.refused: Counter[str] = Counter()
         self.rivals: tuple[str, ...] = ()
         self._late = OVERDUE if simulator is not None else LATE
+        self._patience = STOPPED if simulator is not None else PATIENT
         self._machine = 0
         self._due = clock.perf_counter()
 
@@ -93,7 +94,7 @@ class WiredLoop:
         targets = self.loop.step(readings, None if self.slow else now)
         self.end.send(self.dialect.command_message(targets, self._machine))
         if self.slow and message is not None:  # a step may take long where machines are busy
-            self._due = clock.perf_counter() + PATIENT
+            self._due = clock.perf_counter() + self._patience
         self.loop.plan_ahead()
         self._look_out()
         if self.watch is not None:
