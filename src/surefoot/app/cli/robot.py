@@ -9,7 +9,7 @@ import typer
 
 from surefoot.app.cli import extras, options, parsing
 from surefoot.app.cli.console import plain_console, say, show
-from surefoot.app.cli.drive import LOOPBACK, DomainId, Interface, SlowMotion, wire_end
+from surefoot.app.cli.drive import LOOPBACK, DdsConfig, DomainId, Interface, SlowMotion, own_config, wire_end
 from surefoot.app.cli.robots import load
 from surefoot.base.arrays import real_number
 from surefoot.base.errors import ProblemError
@@ -25,6 +25,7 @@ def robot(
     mu: options.Friction = 0.6,
     seed: options.Seed = None,
     slow_motion: SlowMotion = False,
+    dds_config: DdsConfig = None,
     as_json: options.AsJson = False,
 ) -> int:
     """Be a robot on the wire: MuJoCo behind Unitree's topics, with noisy sensors, motors' limits, a delay.
@@ -51,7 +52,11 @@ def robot(
     body = MotorRobot(model, terrain=ground, mu=mu, seed=seed or 0)
     body.lie_down()
     highest = largest = 0.0
-    with wire_end(model, True, interface, domain) as (wire, dialect), ends_softly(), engine_warnings():
+    with (
+        wire_end(model, True, interface, domain, own_config(dds_config)) as (wire, dialect),
+        ends_softly(),
+        engine_warnings(),
+    ):
         wired = WiredRobot(body, wire, dialect, slow_motion)
         say(
             plain_console(quiet=as_json), f"{model.name} lies on {interface}, domain {domain}   (Ctrl-C ends)"

@@ -20,6 +20,9 @@ from surefoot.motion.drive.readings import RobotReadings
 
 FALLEN = "the robot has fallen"
 """The fault of one that leans too much, or whose body is down."""
+UPRIGHT, LOW = 0.5, 0.4
+"""A robot that leans more than this lies on its side or back [rad]; one whose body is lower over the ground
+than this share of its usual height has fallen."""
 ROLL_TIME, INSIDE = 0.3, 0.1
 """Time to each posture [s], and by how much they stay within the joints' ranges [rad]."""
 TRIES = 4

@@ -11,6 +11,8 @@ from surefoot.motion.control.controller import JointTargets
 from surefoot.motion.drive.getting_up import TRIES, RollOver
 from surefoot.motion.drive.postures import BodyPostures, PostureMotion
 
+SETTLE = 0.4
+"""Time in a posture before what follows begins [s]."""
 NEAR = 0.5
 """Legs whose joints are all so near to those of the stance need not be folded before it [rad]."""
 

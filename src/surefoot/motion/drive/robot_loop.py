@@ -15,12 +15,13 @@ from surefoot.base.memory import Remembering
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Actuators, FlatTerrain, Robot, Terrain, actuators_of, with_rotors
 from surefoot.motion.control.controller import Command, JointTargets, RobotState
-from surefoot.motion.drive.getting_up import FALLEN, TRIES, FallRecovery
+from surefoot.motion.drive.foot_load import HANGS, MAYBE_HANGS, hangs
+from surefoot.motion.drive.getting_up import FALLEN, LOW, TRIES, UPRIGHT, FallRecovery
 from surefoot.motion.drive.joint_targets import JointTargetController
 from surefoot.motion.drive.latency_compensation import LatencyCompensation
 from surefoot.motion.drive.loop_state import ResumableLoop
 from surefoot.motion.drive.modes import CONTROLLED, FOLLOWS, POWERLESS, LoopMode
-from surefoot.motion.drive.posture_player import PosturePlayer
+from surefoot.motion.drive.posture_player import SETTLE, PosturePlayer
 from surefoot.motion.drive.readings import ReadingLimits, ReadingWatch, RobotReadings, motor_order
 from surefoot.motion.drive.state_tracker import StateTracker
 from surefoot.motion.drive.target_limits import TargetLimits
@@ -31,11 +32,6 @@ from surefoot.motion.walking.walker import Walker
 from surefoot.motion.walking.walkers import default_gait, walking_controller
 from surefoot.motion.walking.walking_body import VelocityCommand
 
-UPRIGHT, LOW = 0.5, 0.4
-"""A robot that leans more than this lies on its side or back [rad]; one whose body is lower over the ground
-than this share of its usual height has fallen."""
-SETTLE = 0.4
-"""Time in a posture before what follows begins [s]."""
 SLOW = 0.05
 """Speed of a body, as a share of sqrt(g h), at which one that was commanded to stop stands."""
 
@@ -240,7 +236,7 @@ class RobotLoop(ResumableLoop):
             raise ProblemError(f"cannot {goal} yet: the robot is still on its way to {self.mode}")
         if goal == "stand" and self.mode in POWERLESS and not self.can_rise:
             why = f"the base leans too much, and how {self.robot.name} rolls over is not known"
-            raise ProblemError(f"cannot stand up: {why}; lay it on its belly")
+            raise ProblemError(f"cannot stand up: {why}; lay it on its belly{MAYBE_HANGS}")
 
     @property
     def can_rise(self) -> bool:
@@ -301,7 +297,7 @@ class RobotLoop(ResumableLoop):
             self._recovery.fell(self.mode, self.time)
             self._stop(FALLEN)
         elif self.mode in CONTROLLED and self.tracker.failure:
-            self._stop(f"the state estimate was lost: {self.tracker.failure}")
+            self._stop(f"the state estimate was lost: {self.tracker.failure}{MAYBE_HANGS}")
 
     def _recover(self) -> None:
         """Get up after a fall, and walk on if the robot walked."""
@@ -330,8 +326,11 @@ class RobotLoop(ResumableLoop):
                 return targets
             if self._player.lying:
                 if not self._player.go_on(targets.positions, self.time, self.watch.lean > UPRIGHT):
-                    self._stop(f"the robot rolled {TRIES} times and is not on its belly")
+                    self._stop(f"the robot rolled {TRIES} times and is not on its belly{MAYBE_HANGS}")
                 return targets
+            if hangs(self.robot, self.watch.last):
+                self._stop(HANGS)
+                return self._damp
             self._begin()
         return self._follow(usable)
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from surefoot.mechanics import Robot
 from surefoot.motion.control.controller import JointTargets
 from surefoot.motion.drive.readings import RobotReadings
 from surefoot.motion.drive.wire import messages
+from surefoot.motion.drive.wire.messages import Structure
 from surefoot.motion.drive.wire.packed import PackedMessage
 
 HEAD, LOW_LEVEL, ENABLED = (0xFE, 0xEF), 0xFF, 1
@@ -36,15 +36,18 @@ class Dialect:
     motors
         Names of its joints in the order of its motors.
     state, command
-        Classes of its messages.
+        Structures of its messages.
     headed
         Whether they begin with `HEAD`; if not, commands repeat the state's `mode_machine`.
+    simulator
+        Whether states may come from a simulator of Unitree's, which leaves checksums and modes of motors 0.
     """
 
     motors: tuple[str, ...]
-    state: Any
-    command: Any
+    state: Structure
+    command: Structure
     headed: bool
+    simulator: bool = False
     _messages: list[PackedMessage] = field(default_factory=list, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -53,6 +56,10 @@ class Dialect:
         for message in self._messages if self.headed else ():
             message["head"], message["level_flag"] = HEAD, LOW_LEVEL
         self._messages[0].seal()  # compiles or loads the checksum before anybody waits for it
+
+    def of_simulator(self) -> Dialect:
+        """Return the same dialect as Unitree's simulators speak it."""
+        return replace(self, simulator=True)
 
     def state_message(self, readings: RobotReadings, mode_machine: int = 0) -> PackedMessage:
         """Return the message of a robot that reads this, joints in the order of the motors."""
@@ -66,11 +73,22 @@ class Dialect:
         message["tick"] = round(readings.time / TICK) % 2**32
         return message.seal()
 
+    def refusal(self, message: PackedMessage) -> str:
+        """Return why a robot's message is void, empty if it is not."""
+        bare = self.simulator and int(message["crc"]) == 0
+        if not bare and not message.sealed:
+            return "checksum 0" if int(message["crc"]) == 0 else "a wrong checksum"
+        modes = message["motor_state.mode"][: len(self.motors)]
+        off = modes != ENABLED
+        if not off.any() or (self.simulator and not modes.any()):
+            return ""
+        return f"motors in mode {modes[off][0]}"
+
     def readings(self, message: PackedMessage) -> RobotReadings | None:
-        """Return what a robot's message reads; None for a wrong checksum or a motor that does not obey."""
-        count = len(self.motors)
-        if not message.sealed or (message["motor_state.mode"][:count] != ENABLED).any():
+        """Return what a robot's message reads; None for one that is void, see `refusal`."""
+        if self.refusal(message):
             return None
+        count = len(self.motors)
         imu = [message[f"imu_state.{name}"].astype(float) for name in IMU]
         rows = [message[name][:count].astype(float) for name in STATE_FIELDS]
         return RobotReadings(int(message["tick"]) * TICK, quaternion_xyzw(imu[0]), *imu[1:], *rows)
@@ -107,8 +125,8 @@ MOTORS = {"go2": QUADRUPED, "b2": QUADRUPED, "g1": None}
 """Robots that speak, and their motors; None for a humanoid, whose joints stand in the motors' order."""
 
 
-def dialect_of(robot: Robot) -> Dialect:
-    """Return how a robot speaks.
+def dialect_of(robot: Robot, simulator: bool = False) -> Dialect:
+    """Return how a robot speaks, or one of Unitree's simulators for it.
 
     Raises
     ------
@@ -121,8 +139,8 @@ def dialect_of(robot: Robot) -> Dialect:
         )
     motors = MOTORS[robot.name]
     if motors is None:
-        return Dialect(robot.joint_names, messages.HG_STATE, messages.HG_COMMAND, False)
-    found = Dialect(motors, messages.GO_STATE, messages.GO_COMMAND, True)
+        return Dialect(robot.joint_names, messages.HG_STATE, messages.HG_COMMAND, False, simulator)
+    found = Dialect(motors, messages.GO_STATE, messages.GO_COMMAND, True, simulator)
     if sorted(found.motors) != sorted(robot.joint_names):
         raise ProblemError(
             f"the joints of {robot.name} are not those of its motors: {', '.join(found.motors)}"

@@ -11,7 +11,6 @@ structure's little-endian words but the last, each from its highest byte on.
 from __future__ import annotations
 
 import struct
-from dataclasses import fields
 from functools import cache
 from typing import Any
 
@@ -20,9 +19,10 @@ from numpy.typing import NDArray
 
 from surefoot.base.arrays import IntArray
 from surefoot.base.kernels import kernel
+from surefoot.motion.drive.wire.messages import Structure
 
 POLYNOMIAL = 0x04C11DB7
-CODES = {"uint8": "u1", "uint16": "<u2", "int16": "<i2", "uint32": "<u4", "int32": "<i4", "float32": "<f4"}
+CODES = {"byte": "u1", "uint16": "<u2", "int16": "<i2", "uint32": "<u4", "int32": "<i4", "float32": "<f4"}
 HEADER = bytes([0, 1, 0, 0])
 """What says the encoding."""
 
@@ -33,7 +33,7 @@ class Layout:
     Parameters
     ----------
     kind
-        A class of `surefoot.motion.drive.wire.messages`.
+        A message of `surefoot.motion.drive.wire.messages`.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class Layout:
         The encoding's bytes as the checksum takes them; -1 for what C leaves empty.
     """
 
-    def __init__(self, kind: Any) -> None:
+    def __init__(self, kind: Structure) -> None:
         self._leaves: list[tuple[str, str, int, int]] = []
         self.size, self.structure = self._walk(kind, "", (0, 0))
         self.places: dict[str, tuple[str, IntArray]] = {}
@@ -59,23 +59,23 @@ class Layout:
                 of[there : there + width] = np.arange(wire, wire + width)
         self.order: IntArray = of[:-4].reshape(-1, 4)[:, ::-1].ravel().copy()
 
-    def _walk(self, kind: Any, name: str, at: tuple[int, int]) -> tuple[int, int]:
-        """Note the numbers of a type that begins behind a place in both layouts; return where it ends."""
-        said = getattr(kind, "__metadata__", None)
-        if said is None:  # a structure: C begins and ends it at multiples of its widest number
+    def _walk(
+        self, kind: str | Structure, name: str, at: tuple[int, int], count: int | None = None
+    ) -> tuple[int, int]:
+        """Note the numbers of types that begin behind a place in both layouts; return where they end."""
+        if count is not None:
+            for _ in range(count):
+                at = self._walk(kind, name, at)
+            return at
+        if isinstance(kind, Structure):  # C begins and ends it at multiples of its widest number
             wide = _widest(kind)
             at = at[0], _align(at[1], wide)
-            for field in fields(kind):
-                at = self._walk(field.type, f"{name}.{field.name}" if name else field.name, at)
+            for field, inner, many in kind.fields:
+                at = self._walk(inner, f"{name}.{field}" if name else field, at, many)
             return at[0], _align(at[1], wide)
-        inner = said[0]
-        if not isinstance(inner, str):
-            for _ in range(inner.length):
-                at = self._walk(inner.subtype, name, at)
-            return at
-        width = np.dtype(CODES[inner]).itemsize
+        width = np.dtype(CODES[kind]).itemsize
         at = _align(at[0], width), _align(at[1], width)
-        self._leaves.append((name, CODES[inner], *at))
+        self._leaves.append((name, CODES[kind], *at))
         return at[0] + width, at[1] + width
 
 
@@ -84,12 +84,11 @@ def _align(place: int, width: int) -> int:
     return -(-place // width) * width
 
 
-def _widest(kind: Any) -> int:
+def _widest(kind: str | Structure) -> int:
     """Return the width of the widest number of a type [bytes]."""
-    said = getattr(kind, "__metadata__", None)
-    if said is None:
-        return max(_widest(field.type) for field in fields(kind))
-    return np.dtype(CODES[said[0]]).itemsize if isinstance(said[0], str) else _widest(said[0].subtype)
+    if isinstance(kind, Structure):
+        return max(_widest(inner) for _, inner, _ in kind.fields)
+    return np.dtype(CODES[kind]).itemsize
 
 
 layout = cache(Layout)
@@ -104,7 +103,7 @@ class PackedMessage:
     Parameters
     ----------
     kind
-        Its class.
+        Its structure.
     data
         As it came from the wire; None for zeros.
 
@@ -114,11 +113,11 @@ class PackedMessage:
         For bytes that are too few, or encoded in another way.
     """
 
-    def __init__(self, kind: Any, data: bytes | None = None) -> None:
+    def __init__(self, kind: Structure, data: bytes | None = None) -> None:
         self.kind, self.layout = kind, layout(kind)
         end = len(HEADER) + self.layout.size
         if data is not None and (data[:2] != HEADER[:2] or len(data) < end):
-            raise struct.error(f"{len(data)} bytes are no {kind.__name__}")
+            raise struct.error(f"{len(data)} bytes are no {kind.name}")
         self.data = bytearray(HEADER + bytes(self.layout.size) if data is None else data[:end])
         self._views: dict[str, NDArray[Any]] = {}
 

@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import gc
 import time as clock
+from collections import Counter
 from collections.abc import Callable
 
 from numpy.typing import ArrayLike
 
-from surefoot.base.errors import SurefootError
+from surefoot.base.errors import ProblemError, SurefootError
+from surefoot.motion.drive.modes import POWERLESS
+from surefoot.motion.drive.readings import RobotReadings
 from surefoot.motion.drive.robot_loop import RobotLoop
 from surefoot.motion.drive.wire.dialect import Dialect
-from surefoot.motion.drive.wire.link import WireEnd
+from surefoot.motion.drive.wire.packed import PackedMessage
+from surefoot.motion.drive.wire.simulator import OVERDUE, STOPPED, SimulatorClock
+from surefoot.motion.drive.wire.survey import refusals_in_words
+from surefoot.motion.drive.wire.transport import Transport
 
 LATE = 1.5
 """A reading is missing after so many steps since the last."""
@@ -19,6 +25,8 @@ PATIENT = 1.0
 """The same for a robot in slow motion, where nobody can tell [s]."""
 LONGEST, REST = 30.0, 0.5
 """Longest time to reach a posture, and time in it before the next [s]."""
+NOTHING_CAME = "no reading came"
+"""The loop's reason where it was given no reading."""
 
 
 class WiredLoop:
@@ -36,13 +44,27 @@ class WiredLoop:
         Whether the robot waits for each answer, so that no clock tells what is late.
     watch
         Called after each step; None for nobody.
+    simulator
+        Tells the time of a simulator's readings; None for a robot.
+
+    Attributes
+    ----------
+    refused
+        How many readings were void, by reason.
+    rivals
+        Who else began to command the robot, in words; the loop damped it then.
     """
 
     def __init__(
-        self, loop: RobotLoop, end: WireEnd, dialect: Dialect, slow: bool = False,
-        watch: Callable[[RobotLoop], None] | None = None,
+        self, loop: RobotLoop, end: Transport, dialect: Dialect, slow: bool = False,
+        watch: Callable[[RobotLoop], None] | None = None, simulator: SimulatorClock | None = None,
     ) -> None:  # fmt: skip
         self.loop, self.end, self.dialect, self.slow, self.watch = loop, end, dialect, slow, watch
+        self.simulator = simulator
+        self.refused: Counter[str] = Counter()
+        self.rivals: tuple[str, ...] = ()
+        self._late = OVERDUE if simulator is not None else LATE
+        self._patience = STOPPED if simulator is not None else PATIENT
         self._machine = 0
         self._due = clock.perf_counter()
 
@@ -61,24 +83,62 @@ class WiredLoop:
 
     def step(self) -> None:
         """Wait for the next state, make a step and send what it asks for."""
-        message = self.end.receive(max(self._due - clock.perf_counter(), 1e-5))
-        now, dt = clock.perf_counter(), self.loop.dt
-        readings = None
+        dt = self.loop.dt
+        message, readings = self._next()
+        now = clock.perf_counter()
         if message is None:
             self._due += dt
         else:
-            readings = self.dialect.readings(message)
             self._machine = 0 if self.dialect.headed else int(message["mode_machine"])
-            self._due = now + LATE * dt
+            self._due = now + self._late * dt
         targets = self.loop.step(readings, None if self.slow else now)
         self.end.send(self.dialect.command_message(targets, self._machine))
         if self.slow and message is not None:  # a step may take long where machines are busy
-            self._due = clock.perf_counter() + PATIENT
+            self._due = clock.perf_counter() + self._patience
         self.loop.plan_ahead()
+        self._look_out()
         if self.watch is not None:
             self.watch(self.loop)
         if not gc.isenabled():
             gc.collect(1)  # what the step leaves, in the time that nobody waits for
+
+    def _next(self) -> tuple[PackedMessage | None, RobotReadings | None]:
+        """Return the next message and what it reads; None for one that is late, and for one that is void."""
+        while True:
+            message = self.end.receive(max(self._due - clock.perf_counter(), 1e-5))
+            if message is None:
+                return None, None
+            readings = self.dialect.readings(message)
+            if readings is None:
+                self.refused[self.dialect.refusal(message)] += 1
+            if self.simulator is None or readings is None:
+                return message, readings
+            # in slow motion a step has no length by any clock
+            now = self.loop.time + self.loop.dt if self.slow else clock.perf_counter()
+            time = self.simulator.stamp(readings.time, now)
+            if time is not None:
+                return message, readings._replace(time=time)
+
+    def _look_out(self) -> None:
+        """Damp the robot if somebody else begins to command it."""
+        if self.rivals or not (found := tuple(self.end.rivals())):
+            return
+        self.rivals = found
+        self.loop.go("damp")
+        self.loop.fault = self.fault
+
+    @property
+    def fault(self) -> str:
+        """Why control was lost last, with who else commands and what was refused; empty for no fault."""
+        if self.rivals:
+            return f"somebody else commands the robot, too: {'; '.join(self.rivals)}"
+        return self._explain(self.loop.fault)
+
+    def _explain(self, reason: str) -> str:
+        """Return a reason with how many readings were refused, where none came that could be used."""
+        if NOTHING_CAME not in reason or not self.refused:
+            return reason
+        return f"{reason} that could be used: {refusals_in_words(self.refused)} were refused"
 
     def go(self, goal: str, seconds: float | None = None) -> bool:
         """Go to a mode and stay for a time [s], None until it is reached; return whether no fault came.
@@ -95,7 +155,12 @@ class WiredLoop:
             if not loop.watch.blind:
                 break
             self.step()
-        loop.go(goal)
+        if self.rivals and goal not in POWERLESS:
+            return False
+        try:
+            loop.go(goal)
+        except ProblemError as error:
+            raise ProblemError(self._explain(str(error))) from error
         begin = rested = loop.time
         while not loop.fault:
             self.step()
@@ -119,6 +184,6 @@ class WiredLoop:
         for goal, time in stages:
             if not self.go(goal, time):
                 break
-        fault = self.loop.fault
+        fault = self.fault
         self.go("damp", REST)
         return fault
