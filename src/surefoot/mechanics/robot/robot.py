@@ -18,9 +18,13 @@ from surefoot.contact import Sole
 from surefoot.mechanics.robot import catalog
 from surefoot.mechanics.robot.contact_points import ContactPoints, contact_points
 from surefoot.mechanics.robot.foot import Foot, frame_names, read_foot, shaped_foot
+from surefoot.mechanics.robot.lint import Lint
+from surefoot.mechanics.robot.lint.lint import lint_robot
 from surefoot.mechanics.robot.mjcf import is_mjcf, nominal_of, read_mjcf
+from surefoot.mechanics.robot.model_size import check_size
 from surefoot.mechanics.robot.nominal import bend_legs
 from surefoot.mechanics.robot.parser_output import parser_output
+from surefoot.mechanics.robot.urdf import parse_urdf
 from surefoot.mechanics.stance import Contact, PointContact, SoleContact, Stance
 from surefoot.mechanics.terrain import FlatTerrain, Terrain
 
@@ -48,7 +52,11 @@ class Robot:
         (nq,) the pose to stand in [m, -, rad], at the height where the feet touch z = 0.
     floating
         Whether the base is free.
+    source
+        The file that it was loaded from.
     """
+
+    source: Path | None = None
 
     def __init__(
         self,
@@ -62,7 +70,7 @@ class Robot:
         shapes: Sequence[catalog.FootShape] = (),
     ) -> None:
         self.name, self.model, self.collision, self._load_visual = name, model, collision, visual
-        self.floating = floating
+        self.floating, self.described = floating, bool(shapes)
         self.nominal = nominal
         if feet:
             self._forward(nominal)
@@ -163,6 +171,18 @@ class Robot:
                 raise ProblemError(f"q[3:7] must be a unit quaternion (x, y, z, w), its length is {length:g}")
             out[3:7] /= length
         return out
+
+    def lint(self) -> Lint:
+        """Return what in the file of the model would make a walk or a verdict wrong; see docs/lint.md.
+
+        Raises
+        ------
+        ModelError
+            For a robot that was not loaded from a file.
+        """
+        if self.source is None:
+            raise ModelError(f"{self.name} was not loaded from a file, and the lint reads files")
+        return lint_robot(self, self.source, self.described)
 
     def com(self, q: ArrayLike | None = None) -> FloatArray:
         """Return the centre of mass in world axes [m]: (3,)."""
@@ -270,6 +290,7 @@ def load_robot(
         folders = [path.parent, *path.resolve().parents]
         if not path.is_file():
             raise ModelError(f"no {'file' if text.lower().endswith('.xml') else 'URDF file'} at {text}")
+        check_size(path)
         if is_mjcf(path):
             return _from_mjcf(path, tuple(feet or ()), fixed_base)
     else:
@@ -287,7 +308,9 @@ def load_robot(
     shaped = entry.shapes and set(chosen) <= set(entry.feet)
     shapes = tuple(entry.shapes[entry.feet.index(f)] for f in chosen) if shaped else ()
     nominal = _nominal(model, collision, srdf, chosen, fixed, entry, shapes)
-    return Robot(name, model, collision, visual, chosen, nominal, not fixed, shapes)
+    out = Robot(name, model, collision, visual, chosen, nominal, not fixed, shapes)
+    out.source = path
+    return out
 
 
 def _from_mjcf(path: Path, feet: Sequence[str], fixed_base: bool | None) -> Robot:
@@ -298,7 +321,9 @@ def _from_mjcf(path: Path, feet: Sequence[str], fixed_base: bool | None) -> Robo
     if nominal is None:
         entry = catalog.CatalogEntry(str(path))
         nominal = _nominal(read.model, read.collision, None, feet, not read.floating, entry, ())
-    return Robot(path.stem, read.model, read.collision, lambda: read.collision, feet, nominal, read.floating)
+    out = Robot(path.stem, read.model, read.collision, lambda: read.collision, feet, nominal, read.floating)
+    out.source = path
+    return out
 
 
 def _check_feet(model: Any, feet: Sequence[str], path: Path) -> None:
@@ -316,7 +341,7 @@ def _build(path: Path, folders: Sequence[Path], fixed: bool) -> tuple[Any, Any, 
     """Return Pinocchio's model and collision geometry of a URDF file, and the loader of its looks."""
     pinocchio = import_pinocchio()
     root = [] if fixed else [pinocchio.JointModelFreeFlyer()]
-    model = _parse_urdf(path, root)
+    model = parse_urdf(path, root)
     packages = [str(f) for f in folders]
 
     def shapes(kind: Any) -> Any:
@@ -328,34 +353,6 @@ def _build(path: Path, folders: Sequence[Path], fixed: bool) -> tuple[Any, Any, 
 
     collision = shapes(pinocchio.GeometryType.COLLISION)
     return model, collision, lambda: shapes(pinocchio.GeometryType.VISUAL)
-
-
-def _parse_urdf(path: Path, root: Sequence[Any]) -> Any:
-    """Return the model of a URDF file; what its parser complains about is an error, never an output.
-
-    The parser goes on without an inertia that it cannot read, so complaints count even if there is a model.
-    """
-    import pinocchio
-
-    model, why = None, ""
-    with parser_output() as said:
-        try:
-            model = pinocchio.buildModelFromUrdf(str(path), *root)
-        except (ValueError, RuntimeError) as error:
-            why = str(error)
-    errors = [line.removeprefix("Error:").strip() for line in said if line.startswith("Error:")]
-    if model is None or errors:
-        reason = "; ".join(dict.fromkeys(errors)) or why
-        raise ModelError(f"{path} is not a URDF that Pinocchio can read: {reason}")
-    mass = float(pinocchio.computeTotalMass(model))
-    if root and not 0.0 < mass < math.inf:
-        raise ModelError(f"{path} describes no robot that can move: its total mass is {mass:g} kg")
-    for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True):
-        span = slice(joint.idx_q, joint.idx_q + joint.nq)
-        low, high = model.lowerPositionLimit[span], model.upperPositionLimit[span]
-        if (low > high).any():
-            raise ModelError(f"{path}: joint {name} has its lower limit above its upper one, {low} > {high}")
-    return model
 
 
 def _nominal(
