@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from statistics import median_low
 from typing import Any
 
 import numpy as np
@@ -67,12 +68,12 @@ def _unlike_feet(subject: Subject) -> Iterator[Offence]:
     for foot in robot.feet:
         mine, bottoms = bottoms[: len(foot.centres)], bottoms[len(foot.centres) :]
         heights.append(min(mine))
+    level = median_low(heights)
     for foot, height in zip(robot.feet, heights, strict=True):
-        if height > 2.0 * _depth(subject) and robot.floating:
-            value = f"{1e3 * height:.3g} mm above the ground"
-            yield Offence(
-                f"foot {foot.name}", value, "in the nominal pose, where the lowest foot stands on it"
-            )
+        if abs(height - level) > 2.0 * _depth(subject) and robot.floating:
+            side = "above" if height > level else "below"
+            value = f"{1e3 * abs(height - level):.3g} mm {side} the others"
+            yield Offence(f"foot {foot.name}", value, "in the nominal pose, in which all should stand")
 
 
 def _sizes(foot: Any) -> tuple[float, float, float]:
@@ -117,7 +118,7 @@ def _starts_in_ground(subject: Subject) -> Iterator[Offence]:
     mujoco = subject.mujoco
     data = mujoco.MjData(compiled)
     plane = int(mujoco.mjtGeom.mjGEOM_PLANE)
-    for k in range(-1, compiled.nkey):
+    for k in range(compiled.nkey) or [-1]:
         mujoco.mj_resetData(compiled, data)
         if k >= 0:
             data.qpos[:] = compiled.key_qpos[k]

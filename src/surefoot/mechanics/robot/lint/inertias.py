@@ -23,8 +23,12 @@ ROUNDING = 1e-3
 """Excess of a moment over the sum of the others that five printed digits may cause [-]."""
 GROSS = 10.0
 """Moment over the sum of the others from which the dynamics is another robot's [-]; the catalogue has 5."""
-SPREAD = 3.0
-"""Radius of gyration over the robot's whole reach that no body of it has [-]."""
+SPREAD = 1.2
+"""Radius of gyration over the robot's whole reach that no body of it has [-]; half its size is the most."""
+BARE = 30.0
+"""Radius of gyration over the robot's reach where its mass is at fault [-]; dummy links have 2."""
+LIGHT = 0.05
+"""Share of the robot's mass below which a link's placeholder of an inertia changes no walk [-]."""
 POINT = 1e-3
 """Radius of gyration over the robot's reach below which a body counts as a point [-]."""
 SHARE = 0.1
@@ -58,6 +62,9 @@ def _missing_masses(subject: Subject) -> Iterator[Offence]:
                 detail = f"joint {joint.name} moves no mass at all, and a simulated world refuses the robot"
                 severity = "error" if joint.name in subject.leg_joints else ""
                 yield Offence(f"link {joint.child}", "mass 0 kg", detail, severity)
+    for link, usual, kin in kin_of(subject.facts.links, limb_twin, lambda link: link.mass):
+        if link.mass == 0.0 and usual > 1e-3 * subject.facts.mass:
+            yield Offence(_place(link), "mass 0 kg", f"{kin[0].name} has {kin[0].mass:g} kg", "error")
 
 
 def _unlike_masses(subject: Subject) -> Iterator[Offence]:
@@ -73,6 +80,12 @@ def _unlike_masses(subject: Subject) -> Iterator[Offence]:
             continue
         named.add(link.name)
         yield Offence(_place(link), f"mass {link.mass:g} kg", f"{ratio:.3g} times that of {kin[0].name}")
+    for link in links:
+        radius = math.sqrt(0.5 * max(_trace(link), 0.0) / link.mass)
+        if link.name not in named and radius > BARE * subject.reach > 0.0 and link.mass < middle:
+            named.add(link.name)
+            detail = f"its inertia is that of a heavier body: a radius of gyration of {radius:.3g} m"
+            yield Offence(_place(link), f"mass {link.mass:g} kg", detail)
     bodies = [(group[0], sum(max(one.mass, 0.0) for one in group), group) for group in subject.facts.groups()]
     weights = [mass for _, mass, _ in bodies if mass > 0.0]
     total, usual = sum(weights), median(weights)
@@ -122,7 +135,8 @@ def _unlike_inertias(subject: Subject) -> Iterator[Offence]:
     for link, usual, kin in kin_of(links, limb_twin, lambda link: _trace(link) / link.mass):
         ratio = _trace(link) / link.mass / usual
         odd = _oddness(_trace(link) / link.mass, middle), _oddness(_trace(kin[0]) / kin[0].mass, middle)
-        if 1.0 / UNLIKE < ratio < UNLIKE or (len(kin) == 1 and odd[0] < odd[1]):
+        alike = _trace(link) / median(_trace(one) for one in kin)  # where the mass alone is off it says so
+        if any(1.0 / UNLIKE < one < UNLIKE for one in (ratio, alike)) or (len(kin) == 1 and odd[0] < odd[1]):
             continue
         named.add(link.name)
         share = 1e-3 if ratio > 1.0 else SHARE  # a limb's mass counts for more than its own inertia
@@ -130,16 +144,17 @@ def _unlike_inertias(subject: Subject) -> Iterator[Offence]:
         detail = f"{ratio:.3g} times that of {kin[0].name}, by mass"
         yield Offence(_place(link), f"inertia {_list(_moments(link))} kg m²", detail, light)
     reach, mass = subject.reach, subject.facts.mass
+    middle_mass = median(link.mass for link in links) if links else 0.0
     for link in links:
         radius = math.sqrt(0.5 * _trace(link) / link.mass)
-        if link.name in named or reach <= 0.0:
+        if link.name in named or reach <= 0.0 or (radius > BARE * reach and link.mass < middle_mass):
             continue
         value = f"inertia {_list(_moments(link))} kg m²"
         if radius > SPREAD * reach:
             detail = (
                 f"its radius of gyration, {radius:.3g} m, is {radius / reach:.3g} times the robot's reach"
             )
-            yield Offence(_place(link), value, detail, "" if link.mass > 1e-3 * mass else "warning")
+            yield Offence(_place(link), value, detail, "" if link.mass > LIGHT * mass else "warning")
         elif radius < POINT * reach and link.mass > 1e-2 * mass:
             detail = (
                 f"its radius of gyration is {1e3 * radius:.3g} mm, a point beside a reach of {reach:.3g} m"

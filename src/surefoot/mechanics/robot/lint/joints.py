@@ -136,10 +136,12 @@ def _missing_speeds(subject: Subject) -> Iterator[Offence]:
         if subject.facts.format == "urdf" and joint.moves and joint.limited and not abs(joint.speed) > 0.0:
             value = "no velocity" if math.isnan(joint.speed) else "velocity 0"
             yield Offence(_place(joint), value, "taken as without limit")
-        elif joint.speed < 0.0:
-            yield Offence(
-                _place(joint), f"velocity {joint.speed:g}", "no speed limit is below zero", "warning"
-            )
+
+
+def _negative_speeds(subject: Subject) -> Iterator[Offence]:
+    for joint in subject.facts.joints:
+        if joint.speed < 0.0:
+            yield Offence(_place(joint), f"velocity {joint.speed:g}", "no speed limit is below zero")
 
 
 def _zero_axes(subject: Subject) -> Iterator[Offence]:
@@ -200,11 +202,11 @@ def _unlike_sides(subject: Subject) -> Iterator[Offence]:
         known = [joint for joint in joints if 0.0 < getattr(joint, key) < math.inf]
         for joint, usual, kin in kin_of(known, side_twin, lambda joint, key=key: float(getattr(joint, key))):  # type: ignore[misc]
             own = float(getattr(joint, key))
-            if own < usual / (1.0 + TWIN):
+            if usual / OFFSET < own < usual / (1.0 + TWIN):
                 yield Offence(_place(joint), f"{key} {own:g} {unit}", f"{kin[0].name} has {usual:g}")
     ranged = [joint for joint in joints if joint.limited and joint.upper > joint.lower]
     for joint, usual, kin in kin_of(ranged, side_twin, lambda joint: joint.upper - joint.lower):
-        if joint.upper - joint.lower < usual / (1.0 + TWIN):
+        if joint.upper - joint.lower < usual / (1.0 + TWIN) and usual < 2.0 * TURNS:
             value = f"range {joint.lower:g} to {joint.upper:g} {_unit(joint)}"
             yield Offence(_place(joint), value, f"{kin[0].name} has {kin[0].lower:g} to {kin[0].upper:g}")
 
@@ -248,6 +250,7 @@ JOINT_RULES = (
         "Add the motor's speed to <limit velocity>.",
         _missing_speeds,
     ),
+    Rule("speed-negative", "speeds of joints", "error", "Give the motor's speed.", _negative_speeds),
     Rule("axis-zero", "axes of joints", "error", "Give the axis a direction.", _zero_axes),
     Rule(
         "pose-outside-limits",

@@ -30,7 +30,7 @@ NEAR = 2e-3
 
 
 class Sinking(NamedTuple):
-    """How deep a robot sinks where it stands [m], and on firm ground; contacts, load of each [N], softness."""
+    """How deep a robot sinks where it stands [m], and on firm ground; contacts, their load [N], softness."""
 
     depth: float
     firm_depth: float
@@ -158,8 +158,8 @@ def _soft_contacts(subject: Subject) -> Iterator[Offence]:
         yield Offence(f"foot body {sinking.body}", value, detail, severity)
     else:
         detail = (
-            f"{bears}, on a floor of MuJoCo's defaults. On Surefoot's ground it sinks {firm}, as it does as a "
-            "URDF; in a scene with such a floor the same robot breaks the audit's law of penetration"
+            f"{bears}, on a floor of MuJoCo's defaults. On Surefoot's ground it sinks {firm}, as it does as "
+            "a URDF; in a scene with such a floor the same robot breaks the audit's law of penetration"
         )
         soft = sinking.solref != (0.02, 1.0) or sinking.solimp[:3] != (0.9, 0.95, 0.001)
         severity = ("error" if sinking.depth > DEEP else "warning") if soft else "note"

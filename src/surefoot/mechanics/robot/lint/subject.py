@@ -13,6 +13,8 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.mechanics.robot.lint.facts import JointFacts, LinkFacts, ModelFacts
 
+OUTLIER = 30.0
+"""Length over the median of a robot's joint offsets that is a slip of units [-]."""
 Part = TypeVar("Part", LinkFacts, JointFacts)
 
 
@@ -62,18 +64,28 @@ class Subject:
 
     @cached_property
     def reach(self) -> float:
-        """Length of the longest chain of joint offsets [m], the outermost link's centre of mass included."""
-        above = {joint.child: joint for joint in self.facts.joints}
-        ends = {link.name: _length(link.com) if link.inertial else 0.0 for link in self.facts.links}
-        return max((self._way(name, above) + end for name, end in ends.items()), default=0.0)
+        """Length of the longest chain of joint offsets [m], the outermost link's centre of mass included.
 
-    def _way(self, name: str, above: dict[str, JointFacts]) -> float:
+        A length that is `OUTLIER` times the usual one counts as the usual one: a slip must not hide others.
+        """
+        above = {joint.child: joint for joint in self.facts.joints}
+        lengths = [size for joint in self.facts.joints if (size := _length(joint.origin)) > 0.0]
+        lengths = lengths or [size for link in self.facts.links if (size := _length(link.com)) > 0.0]
+        usual = median(lengths) if lengths else 0.0
+        ends = {link.name: self._kept(link.com, usual) for link in self.facts.links}
+        return max((self._way(name, above, usual) + end for name, end in ends.items()), default=0.0)
+
+    def _way(self, name: str, above: dict[str, JointFacts], usual: float) -> float:
         total, met = 0.0, set[str]()
         while name in above and name not in met:
             met.add(name)
-            total += _length(above[name].origin)
+            total += self._kept(above[name].origin, usual)
             name = above[name].parent
         return total
+
+    def _kept(self, vector: FloatArray, usual: float) -> float:
+        own = _length(vector)
+        return usual if own > OUTLIER * usual else own
 
     def extent(self, link: str) -> float:
         """Return how far a link's own parts lie from its origin [m]: centre of mass and joints on it."""
