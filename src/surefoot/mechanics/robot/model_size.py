@@ -73,8 +73,10 @@ class _Counter:
         with file:
             try:
                 parser.ParseFile(file)
+            except ModelError:
+                raise
             except (expat.ExpatError, ValueError):
-                return
+                return  # its parser says so
 
     def _take(self, tag: str, given: dict[str, str], times: int) -> None:
         """Count a tag."""
