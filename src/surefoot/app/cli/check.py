@@ -11,6 +11,7 @@ from rich.console import Console
 from surefoot.app.cli import options
 from surefoot.app.cli.console import say, say_verdict, show, table
 from surefoot.app.cli.extras import draw_into
+from surefoot.app.cli.lint import lint_line
 from surefoot.app.cli.stance_input import StanceOptions
 from surefoot.base.spatial import GRAVITY
 
@@ -43,6 +44,7 @@ def check(
 
     if as_json and len(case.question.stance):
         facts["com_region"] = _region(case.question)
+    facts["lint"] = None if case.robot is None else lint_line(case.robot)
     facts["picture"], facts["note"] = draw_into(picture, out, "check", draw)
     show(facts, as_json, _print)
     return 0 if facts["possible"] else 1
@@ -145,6 +147,7 @@ def _numbers(values: Any, digits: int) -> str:
 
 def _print(console: Console, facts: dict[str, Any]) -> None:
     say_verdict(console, f"{facts['name']}: {facts['verdict']}", facts["possible"])
+    say(console, facts["lint"] or "", style="red")
     rows = []
     for row in facts["contacts"]:
         force = "-" if row["force"] is None else _numbers(row["force"][:3], 2)

@@ -46,6 +46,19 @@ def lint_of(robot: str | None, feet: str | None = None) -> Any:
         return lint_file(path, str(error))
 
 
+def lint_line(robot: Any) -> str | None:
+    """Return the line that says that the lint of a loaded robot has errors, None where it has none."""
+    if robot.source is None:
+        return None
+    errors = robot.lint().errors
+    if not errors:
+        return None
+    first, count = errors[0], "1 error" if len(errors) == 1 else f"{len(errors)} errors"
+    name = robot.source.name if robots.is_file(robot.source.name) else robot.name
+    which = f"{first.rule} at {first.place} ({first.value})"
+    return f"lint: {count} in its model, as {which}: see surefoot lint {name}"
+
+
 def _loads(robot: str | None) -> bool:
     """Tell whether a robot loads without feet: then these are at fault."""
     from surefoot.base.errors import ModelError
