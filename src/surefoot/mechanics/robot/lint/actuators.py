@@ -31,7 +31,7 @@ def _unmoved_joints(subject: Subject) -> Iterator[Offence]:
             )
 
 
-def _repeated(subject: Subject) -> Iterator[Offence]:
+def _shared_joints(subject: Subject) -> Iterator[Offence]:
     for joint, count in Counter(a.joint for a in subject.facts.actuators if a.on_joint).items():
         if count > 1 and subject.facts.format == "mjcf":
             yield Offence(f"joint {joint}", f"{count} actuators", "their torques add up")
@@ -69,7 +69,7 @@ ACTUATOR_RULES = (
         "joints that actuators name",
         "note",
         "Keep one, if they are one motor.",
-        _repeated,
+        _shared_joints,
     ),
     Rule(
         "actuator-useless", "gears and ranges of actuators", "error", "Give it a gear and a range.", _useless

@@ -66,20 +66,20 @@ def _link(body: Any, name: str, compiled: Any, facts: ModelFacts) -> LinkFacts:
         if np.isfinite(full[0]):
             a, b, c, d, e, f = full
             return LinkFacts(name, mass, com, np.array([[a, d, e], [d, b, f], [e, f, c]]), True)
-        turn = _turned(body.iquat)
+        turn = _unit_rotation(body.iquat)
         moments = np.diag(_finite(facts, f"body {name}", "inertial diaginertia", body.inertia))
         if not math.isfinite(mass):
             facts.faults.append(Fault("not-a-number", f"body {name}, inertial mass", f"{mass:g}"))
         return LinkFacts(name, mass, com, turn @ moments @ turn.T, True)
     if compiled is None:
         return LinkFacts(name)
-    k, turn = int(body.id), _turned(compiled.body_iquat[int(body.id)])
+    k, turn = int(body.id), _unit_rotation(compiled.body_iquat[int(body.id)])
     moments = np.diag(np.array(compiled.body_inertia[k]))
     mass = float(compiled.body_mass[k])
     return LinkFacts(name, mass, np.array(compiled.body_ipos[k]), turn @ moments @ turn.T, mass > 0.0)
 
 
-def _turned(wxyz: Any) -> FloatArray:
+def _unit_rotation(wxyz: Any) -> FloatArray:
     """Return the rotation (3, 3) of MuJoCo's quaternion, which need not be of length one."""
     q = np.array(wxyz, dtype=np.float64)
     length = float(np.linalg.norm(q))

@@ -72,18 +72,18 @@ class Subject:
         lengths = [size for joint in self.facts.joints if (size := _length(joint.origin)) > 0.0]
         lengths = lengths or [size for link in self.facts.links if (size := _length(link.com)) > 0.0]
         usual = median(lengths) if lengths else 0.0
-        ends = {link.name: self._kept(link.com, usual) for link in self.facts.links}
+        ends = {link.name: self._bounded_length(link.com, usual) for link in self.facts.links}
         return max((self._way(name, above, usual) + end for name, end in ends.items()), default=0.0)
 
     def _way(self, name: str, above: dict[str, JointFacts], usual: float) -> float:
         total, met = 0.0, set[str]()
         while name in above and name not in met:
             met.add(name)
-            total += self._kept(above[name].origin, usual)
+            total += self._bounded_length(above[name].origin, usual)
             name = above[name].parent
         return total
 
-    def _kept(self, vector: FloatArray, usual: float) -> float:
+    def _bounded_length(self, vector: FloatArray, usual: float) -> float:
         own = _length(vector)
         return usual if own > OUTLIER * usual else own
 
