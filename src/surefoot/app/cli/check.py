@@ -11,7 +11,6 @@ from rich.console import Console
 from surefoot.app.cli import options
 from surefoot.app.cli.console import say, say_verdict, show, table
 from surefoot.app.cli.extras import draw_into
-from surefoot.app.cli.lint import lint_line
 from surefoot.app.cli.stance_input import StanceOptions
 from surefoot.base.spatial import GRAVITY
 
@@ -34,6 +33,8 @@ def check(
 ) -> int:
     """Tell whether a stance can hold its robot at rest. Exit code 0 possible, 1 impossible, 2 bad input."""
     case = stance.case()
+    from surefoot.app.cli.lint import lint_line
+
     facts, ground, motor = _facts(case)
 
     def draw(folder: Path) -> Path:

@@ -21,7 +21,6 @@ from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, finite_array
 from surefoot.base.errors import ProblemError, unknown_name, writing
-from surefoot.base.npz_files import check_archive
 from surefoot.base.text_files import path_of
 from surefoot.contact.files import fclib, siconos_text
 from surefoot.contact.files.foreign import SHRINKS, SMALL
@@ -160,6 +159,8 @@ def _write_npz(problem: ContactProblem, path: Path, forces: FloatArray | None) -
 
 
 def _read_npz(path: Path) -> ContactProblem:
+    from surefoot.base.npz_files import check_archive
+
     check_archive(path, path)
     try:
         _check_sizes(path)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,15 +18,14 @@ from surefoot.contact import Sole
 from surefoot.mechanics.robot import catalog
 from surefoot.mechanics.robot.contact_points import ContactPoints, contact_points
 from surefoot.mechanics.robot.foot import Foot, frame_names, read_foot, shaped_foot
-from surefoot.mechanics.robot.lint import Lint
-from surefoot.mechanics.robot.lint.lint import lint_robot
 from surefoot.mechanics.robot.mjcf import is_mjcf, nominal_of, read_mjcf
-from surefoot.mechanics.robot.model_size import check_size
 from surefoot.mechanics.robot.nominal import bend_legs
 from surefoot.mechanics.robot.parser_output import parser_output
-from surefoot.mechanics.robot.urdf import parse_urdf
 from surefoot.mechanics.stance import Contact, PointContact, SoleContact, Stance
 from surefoot.mechanics.terrain import FlatTerrain, Terrain
+
+if TYPE_CHECKING:
+    from surefoot.mechanics.robot.lint import Lint
 
 NOMINAL_POSES = ("standing", "half_sitting")
 
@@ -182,6 +181,8 @@ class Robot:
         """
         if self.source is None:
             raise ModelError(f"{self.name} was not loaded from a file, and the lint reads files")
+        from surefoot.mechanics.robot.lint.lint import lint_robot
+
         return lint_robot(self, self.source, self.described)
 
     def com(self, q: ArrayLike | None = None) -> FloatArray:
@@ -290,6 +291,8 @@ def load_robot(
         folders = [path.parent, *path.resolve().parents]
         if not path.is_file():
             raise ModelError(f"no {'file' if text.lower().endswith('.xml') else 'URDF file'} at {text}")
+        from surefoot.mechanics.robot.model_size import check_size
+
         check_size(path)
         if is_mjcf(path):
             return _from_mjcf(path, tuple(feet or ()), fixed_base)
@@ -339,6 +342,8 @@ def _check_feet(model: Any, feet: Sequence[str], path: Path) -> None:
 
 def _build(path: Path, folders: Sequence[Path], fixed: bool) -> tuple[Any, Any, Callable[[], Any]]:
     """Return Pinocchio's model and collision geometry of a URDF file, and the loader of its looks."""
+    from surefoot.mechanics.robot.urdf import parse_urdf
+
     pinocchio = import_pinocchio()
     root = [] if fixed else [pinocchio.JointModelFreeFlyer()]
     model = parse_urdf(path, root)
