@@ -33,8 +33,6 @@ def check(
 ) -> int:
     """Tell whether a stance can hold its robot at rest. Exit code 0 possible, 1 impossible, 2 bad input."""
     case = stance.case()
-    from surefoot.app.cli.lint import lint_line
-
     facts, ground, motor = _facts(case)
 
     def draw(folder: Path) -> Path:
@@ -45,7 +43,11 @@ def check(
 
     if as_json and len(case.question.stance):
         facts["com_region"] = _region(case.question)
-    facts["lint"] = None if case.robot is None else lint_line(case.robot)
+    facts["lint"] = None
+    if case.robot is not None:
+        from surefoot.app.cli.lint import lint_line
+
+        facts["lint"] = lint_line(case.robot)
     facts["picture"], facts["note"] = draw_into(picture, out, "check", draw)
     show(facts, as_json, _print)
     return 0 if facts["possible"] else 1
