@@ -43,6 +43,11 @@ def check(
 
     if as_json and len(case.question.stance):
         facts["com_region"] = _region(case.question)
+    facts["lint"] = None
+    if case.robot is not None:
+        from surefoot.app.cli.lint import lint_line
+
+        facts["lint"] = lint_line(case.robot)
     facts["picture"], facts["note"] = draw_into(picture, out, "check", draw)
     show(facts, as_json, _print)
     return 0 if facts["possible"] else 1
@@ -145,6 +150,7 @@ def _numbers(values: Any, digits: int) -> str:
 
 def _print(console: Console, facts: dict[str, Any]) -> None:
     say_verdict(console, f"{facts['name']}: {facts['verdict']}", facts["possible"])
+    say(console, facts["lint"] or "", style="red")
     rows = []
     for row in facts["contacts"]:
         force = "-" if row["force"] is None else _numbers(row["force"][:3], 2)

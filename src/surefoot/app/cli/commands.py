@@ -26,6 +26,7 @@ COMMANDS: LazyTable[Callable[..., int]] = LazyTable(
         "check": "surefoot.app.cli.check:check",
         "region": "surefoot.app.cli.region:region",
         "model": "surefoot.app.cli.model:model",
+        "lint": "surefoot.app.cli.lint:lint",
         "solve": "surefoot.app.cli.solve:solve",
         "translate": "surefoot.app.cli.translate:translate",
         "identify": "surefoot.app.cli.identify:identify",

@@ -35,17 +35,8 @@ def load(name: str | None, feet: str | None = None, *, feet_needed: bool = False
     source = DEFAULT if name is None else Path(name).absolute() if is_file(name) else name
     robot = load_robot(source, parsing.names("--feet", feet))
     if feet_needed and robot.floating and not robot.feet:
+        from surefoot.mechanics.robot.lint.lint import limb_ends
+
         ends = ", ".join(limb_ends(robot)[:MOST_ENDS])
         raise ProblemError(f"{name} needs --feet, the frames that touch the ground; its limbs end in {ends}")
     return robot
-
-
-def limb_ends(robot: Any) -> list[str]:
-    """Return the names of the frames at the last joint of each limb; of its link's alone if there is none."""
-    model = robot.model
-    inner = {int(parent) for parent in model.parents}
-    ends: dict[int, list[str]] = {}
-    for frame in model.frames:
-        if frame.type.name in ("BODY", "OP_FRAME") and int(frame.parentJoint) not in inner:
-            ends.setdefault(int(frame.parentJoint), []).append(str(frame.name))
-    return [name for names in ends.values() for name in names[1:] or names]

@@ -159,6 +159,9 @@ def _write_npz(problem: ContactProblem, path: Path, forces: FloatArray | None) -
 
 
 def _read_npz(path: Path) -> ContactProblem:
+    from surefoot.base.npz_files import check_archive
+
+    check_archive(path, path)
     try:
         _check_sizes(path)
         with np.load(path, allow_pickle=False) as data:

@@ -241,7 +241,8 @@ class _Builder:
             if c.actuator_ctrllimited[k] and fixed:
                 gain = abs(float(c.actuator_gainprm[k, 0]))
                 limit = min(limit, gain * float(np.abs(c.actuator_ctrlrange[k]).max()))
-            total += abs(float(c.actuator_gear[k, 0])) * limit
+            gear = abs(float(c.actuator_gear[k, 0]))
+            total += gear * limit if gear > 0.0 else 0.0
         limit = total if found else np.inf
         if c.jnt_actfrclimited[joint]:
             limit = min(limit, float(np.abs(c.jnt_actfrcrange[joint]).max()))

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,9 +19,11 @@ from surefoot.mechanics.robot import catalog
 from surefoot.mechanics.robot.contact_points import ContactPoints, contact_points
 from surefoot.mechanics.robot.foot import Foot, frame_names
 from surefoot.mechanics.robot.mjcf import is_mjcf, nominal_of, read_mjcf
-from surefoot.mechanics.robot.parser_output import parser_output
 from surefoot.mechanics.stance import Contact, PointContact, SoleContact, Stance
 from surefoot.mechanics.terrain import FlatTerrain, Terrain
+
+if TYPE_CHECKING:
+    from surefoot.mechanics.robot.lint import Lint
 
 
 class Robot:
@@ -49,7 +51,12 @@ class Robot:
         Files of collision meshes that are not there, by link; what else the robot has is as its file says.
     notes
         How the feet of a robot's own file were read, and what is missing, in lines; none for known robots.
+    source
+        The file that it was loaded from.
     """
+
+    source: Path | None = None
+    described = False  # whether its feet are the catalogue's, and not read from its shapes
 
     def __init__(
         self,
@@ -158,6 +165,20 @@ class Robot:
             out[3:7] /= length
         return out
 
+    def lint(self) -> Lint:
+        """Return what in the file of the model would make a walk or a verdict wrong; see docs/lint.md.
+
+        Raises
+        ------
+        ModelError
+            For a robot that was not loaded from a file.
+        """
+        if self.source is None:
+            raise ModelError(f"{self.name} was not loaded from a file, and the lint reads files")
+        from surefoot.mechanics.robot.lint.lint import lint_robot
+
+        return lint_robot(self, self.source, self.described)
+
     def com(self, q: ArrayLike | None = None) -> FloatArray:
         """Return the centre of mass in world axes [m]: (3,)."""
         import pinocchio
@@ -259,6 +280,7 @@ def load_robot(
     """
     from surefoot.mechanics.robot.foot_reading import FootSource, reading_notes
     from surefoot.mechanics.robot.nominal_pose import feet_and_pose, file_pose
+    from surefoot.mechanics.robot.urdf import parse_urdf
     from surefoot.mechanics.robot.urdf_geometry import urdf_geometry
 
     feet = frame_names(feet)
@@ -269,6 +291,9 @@ def load_robot(
         folders = [path.parent, *path.resolve().parents]
         if not path.is_file():
             raise ModelError(f"no {'file' if text.lower().endswith('.xml') else 'URDF file'} at {text}")
+        from surefoot.mechanics.robot.model_size import check_size
+
+        check_size(path)
         if is_mjcf(path):
             return _from_mjcf(path, tuple(feet or ()), fixed_base)
     else:
@@ -278,7 +303,7 @@ def load_robot(
     chosen = entry.feet if feet is None else tuple(feet)
     fixed = entry.fixed_base if fixed_base is None else fixed_base
     pinocchio = import_pinocchio()
-    model = _parse_urdf(path, [] if fixed else [pinocchio.JointModelFreeFlyer()])
+    model = parse_urdf(path, [] if fixed else [pinocchio.JointModelFreeFlyer()])
     collision, missing = urdf_geometry(model, path, pinocchio.GeometryType.COLLISION, folders)
     for joint, title in zip(list(model.joints)[1:], list(model.names)[1:], strict=True):
         if entry.unlimited and title.startswith(entry.unlimited):
@@ -293,6 +318,8 @@ def load_robot(
     found, nominal = feet_and_pose(source, chosen, file_pose(model, srdf, entry), fixed, entry)
     robot_read = Robot(name, model, collision, visual, found, nominal, not fixed, missing)
     robot_read.notes = reading_notes(found, missing) if is_own else ()
+    robot_read.source = path
+    robot_read.described = bool(entry.shapes) and set(chosen) <= set(entry.feet)
     return robot_read
 
 
@@ -315,6 +342,7 @@ def _from_mjcf(path: Path, feet: Sequence[str], fixed_base: bool | None) -> Robo
     missing = read.missing_meshes
     robot = Robot(path.stem, read.model, read.collision, visual, found, nominal, read.floating, missing)
     robot.notes = reading_notes(found, missing)
+    robot.source = path
     return robot
 
 
@@ -329,29 +357,3 @@ def _check_feet(model: Any, feet: Sequence[str], path: Path) -> None:
         raise ModelError(f"feet must differ, got {', '.join(feet)}")
 
 
-def _parse_urdf(path: Path, root: Sequence[Any]) -> Any:
-    """Return the model of a URDF file; what its parser complains about is an error, never an output.
-
-    The parser goes on without an inertia that it cannot read, so complaints count even if there is a model.
-    """
-    import pinocchio
-
-    model, why = None, ""
-    with parser_output() as said:
-        try:
-            model = pinocchio.buildModelFromUrdf(str(path), *root)
-        except (ValueError, RuntimeError) as error:
-            why = str(error)
-    errors = [line.removeprefix("Error:").strip() for line in said if line.startswith("Error:")]
-    if model is None or errors:
-        reason = "; ".join(dict.fromkeys(errors)) or why
-        raise ModelError(f"{path} is not a URDF that Pinocchio can read: {reason}")
-    mass = float(pinocchio.computeTotalMass(model))
-    if root and not 0.0 < mass < math.inf:
-        raise ModelError(f"{path} describes no robot that can move: its total mass is {mass:g} kg")
-    for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True):
-        span = slice(joint.idx_q, joint.idx_q + joint.nq)
-        low, high = model.lowerPositionLimit[span], model.upperPositionLimit[span]
-        if (low > high).any():
-            raise ModelError(f"{path}: joint {name} has its lower limit above its upper one, {low} > {high}")
-    return model

@@ -21,6 +21,7 @@ from scipy.spatial.transform import Rotation
 
 from surefoot.base.arrays import FloatArray, IntArray, finite_array, real_number
 from surefoot.base.errors import ProblemError
+from surefoot.base.npz_files import check_archive
 from surefoot.base.text_files import path_of
 
 UNIT = 1e-3
@@ -198,6 +199,7 @@ def read_tosses(path: str | Path) -> Tosses:
         If it is no such file; one line that names the file and what is wrong.
     """
     try:
+        check_archive(path_of(path), path)
         with path_of(path).open("rb") as file:
             archive = np.load(file, allow_pickle=False)
             if not isinstance(archive, np.lib.npyio.NpzFile):

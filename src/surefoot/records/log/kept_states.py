@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surefoot.base.errors import ProblemError, one_line, writing
+from surefoot.base.npz_files import check_archive
 
 FOLDER = "states"
 """Where states lie, in a folder of parts and in an .npz file."""
@@ -69,6 +70,7 @@ class KeptState(NamedTuple):
             For what is no such file, is not whole, was changed, or has another form.
         """
         try:
+            check_archive(io.BytesIO(contents), where)
             with np.load(io.BytesIO(contents), allow_pickle=False) as file:
                 arrays = {name: file[name] for name in file.files}
                 text, digest = str(arrays.pop("text")), str(arrays.pop("digest"))

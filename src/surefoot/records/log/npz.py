@@ -17,12 +17,14 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.errors import ProblemError
+from surefoot.base.npz_files import check_archive
 from surefoot.records.log.channels import SCHEMA, channels_from
 from surefoot.records.log.contents import MEMORY, LogContents, StoredLog
 
 
 def read(path: Path) -> StoredLog:
     """Return the contents of an .npz file."""
+    check_archive(path, path)
     # opened here: where the file is cut, NumPy leaves open what it opened
     with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
         check_schema(path, int(file["schema"]))
