@@ -9,6 +9,14 @@ from typing import NamedTuple
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.settings import Settings, setting
 from surefoot.contact import Status
+from surefoot.motion.control.whole_body_outcome import (
+    BindingLimit,
+    StepNotes,
+    TaskOutcome,
+    binding_limits,
+    body_compromised,
+    task_outcomes,
+)
 
 
 @dataclass(frozen=True)
@@ -139,7 +147,7 @@ class ForceLimits(NamedTuple):
 
 
 class WholeBodyCommand(NamedTuple):
-    """What whole-body control asks for.
+    """The command of one step of whole-body control, and what became of what was asked for.
 
     Attributes
     ----------
@@ -154,8 +162,11 @@ class WholeBodyCommand(NamedTuple):
         clipped, or the input was not finite and the command only damps the joints).
     violation
         Largest torque beyond its limit before clipping [N m].
-    status
-        How the force distribution ended.
+    distribution
+        How the force distribution ended; `status` says whether the tasks are met, too.
+    notes
+        Of the step, which `attained` and `binding` are worked out of when they are read; None for a command
+        that only damps the joints.
     """
 
     torques: FloatArray
@@ -163,4 +174,38 @@ class WholeBodyCommand(NamedTuple):
     forces: FloatArray
     feasible: bool
     violation: float
-    status: Status
+    distribution: Status
+    notes: StepNotes | None = None
+
+    @property
+    def attained(self) -> dict[str, TaskOutcome]:
+        """What was wanted and what is got of every task, by its name in `Tasks`; empty without `notes`.
+
+        "feet" counts as met by those in the air. What joints and forces miss is the price of the others, as
+        they weigh next to nothing.
+        """
+        return {} if self.notes is None else task_outcomes(self.notes, self.accelerations, self.forces)
+
+    @property
+    def binding(self) -> tuple[BindingLimit, ...]:
+        """The cones, bounds and joints' limits on which the command lies, by name; empty without `notes`."""
+        if self.notes is None:
+            return ()
+        return binding_limits(self.notes, self.torques, self.accelerations, self.forces)
+
+    @property
+    def status(self) -> Status:
+        """How the step ended.
+
+        INVALID for a state or task that nothing can be computed of, INFEASIBLE where torques had to be
+        clipped, COMPROMISED where all limits hold but the body does not accelerate as is wanted, or a foot in
+        the air not half as much (see `attained` and `binding`), else that of the force distribution.
+        """
+        if self.distribution is Status.INVALID or self.notes is None:
+            return Status.INVALID
+        if not self.feasible:
+            return Status.INFEASIBLE
+        found = self.distribution in (Status.SOLVED, Status.ALMOST)
+        if found and body_compromised(self.notes, self.attained):
+            return Status.COMPROMISED
+        return self.distribution

@@ -190,23 +190,23 @@ class Walker(Tick):
         """What is said of the load."""
         return {} if self.load is None else self.load.rows
 
-    def _commanded(self, body: WholeBodyCommand, s: WalkState) -> WalkCommand:
+    def _commanded(self, body: WholeBodyCommand, s: WalkState, possible: bool) -> WalkCommand:
         """Return the command that says what the parts have decided."""
         feet = s.feet
         return WalkCommand(
-            body.torques, body.forces, feet.stance[self.whole_body.point_foot], body.feasible, body.status,
-            body.accelerations, planned=feet.planned, frames=feet.frames, wanted=s.body.base_velocity,
-            targets=feet.target, load=self._load_rows, asked_by=self.arbiter.asked_by,
+            body.torques, body.forces, feet.stance[self.whole_body.point_foot], body.feasible and possible,
+            body.distribution, body.accelerations, planned=feet.planned, frames=feet.frames,
+            wanted=s.body.base_velocity, targets=feet.target, load=self._load_rows, asked_by=self.arbiter.asked_by,
         )  # fmt: skip
 
     def _damped(self, v: FloatArray) -> WalkCommand:
         """Return the command for a state that is not finite, whose joints move with (nv,) v."""
         body = self.whole_body.damping(v)
         if self._walk is not None:
-            return replace(self._commanded(body, self._walk), accelerations=None)
+            return replace(self._commanded(body, self._walk, False), accelerations=None)
         n = len(self.robot.feet)
         return WalkCommand(
-            body.torques, body.forces, np.ones(len(body.forces), dtype=bool), False, body.status,
+            body.torques, body.forces, np.ones(len(body.forces), dtype=bool), False, body.distribution,
             planned=np.ones(n, dtype=bool), frames=np.tile(np.eye(3), (n, 1, 1)), wanted=np.zeros(3),
             targets=np.zeros((n, 3)),
             load=self._load_rows,
