@@ -82,7 +82,8 @@ def step_memory(
     lengths = [
         8, j, 3 * n, n, 3 * p, 6 * nv, 9 * n, 3 * n, 3 * n, 6 * n, 6 * n, 9, 12, 9,
         10, n, 6 * n, j, 3 * p, 9 * n, 5 * j,
-        nv * nv, nv, most * nv, most, nv, 6 * nv, 36, 6, 18 * p, 3 * p * nv, 3 * n, 3 * n, 3 * n, 9 * p, 3 * p,
+        nv * nv, nv, most * nv, most, nv, 6 * nv, 36, 6, 18 * p, 3 * p * nv,
+        3 * n, 3 * n, 3 * n, 9 * p, 3 * p,
     ]  # fmt: skip
     starts = np.cumsum([0, *lengths])
     whole = [np.asarray(a).ravel() for a in (points.foot_support, points.flat, points.frames, points.foot)]

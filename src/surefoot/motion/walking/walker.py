@@ -196,7 +196,8 @@ class Walker(Tick):
         return WalkCommand(
             body.torques, body.forces, feet.stance[self.whole_body.point_foot], body.feasible and possible,
             body.distribution, body.accelerations, planned=feet.planned, frames=feet.frames,
-            wanted=s.body.base_velocity, targets=feet.target, load=self._load_rows, asked_by=self.arbiter.asked_by,
+            wanted=s.body.base_velocity, targets=feet.target, load=self._load_rows,
+            asked_by=self.arbiter.asked_by,
         )  # fmt: skip
 
     def _damped(self, v: FloatArray) -> WalkCommand:
