@@ -35,7 +35,7 @@ class Stance:
     """
 
     def __init__(self, contacts: Sequence[Contact]) -> None:
-        if not isinstance(contacts, Iterable):
+        if not isinstance(contacts, Iterable) or (isinstance(contacts, np.ndarray) and not contacts.ndim):
             raise ProblemError(
                 f"contacts must be a list, as [sf.PointContact(p)] is one, got {contacts!r:.60}"
             )

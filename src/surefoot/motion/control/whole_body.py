@@ -28,7 +28,7 @@ import math
 
 import numpy as np
 
-from surefoot.base.arrays import BoolArray, FloatArray, IntArray, of_kind
+from surefoot.base.arrays import BoolArray, FloatArray, IntArray, of_kind, real_array
 from surefoot.base.errors import ModelError, ProblemError
 from surefoot.base.live_arrays import Bound
 from surefoot.base.memory import Memory, Remembering
@@ -43,6 +43,7 @@ from surefoot.motion.control.whole_body_tasks import Kinematics as Kinematics
 from surefoot.motion.control.whole_body_tasks import Tasks as Tasks
 from surefoot.motion.control.whole_body_tasks import TaskWeights as TaskWeights
 from surefoot.motion.control.whole_body_tasks import WholeBodyCommand as WholeBodyCommand
+from surefoot.motion.control.whole_body_tasks import check_parts, control_numbers
 from surefoot.motion.estimation.wrench_kernels import point_inertia
 from surefoot.motion.estimation.wrench_observer import Instant, Load
 
@@ -91,6 +92,8 @@ class WholeBodyController(Bound, Remembering):
     ------
     ModelError
         If the robot has a fixed base or no feet.
+    ProblemError
+        For what is not a number within its range.
     """
 
     MEMORY = (
@@ -113,24 +116,25 @@ class WholeBodyController(Bound, Remembering):
         of_kind("robot", robot, Robot)
         if not robot.floating or not robot.feet:
             raise ModelError(f"whole-body control of {robot.name} needs a floating base and feet")
+        check_parts(actuators, weights)
         self.robot = robot = robot if actuators is None else with_rotors(robot, actuators.armature)
         self._views = ModelViews(robot.model.copy(), robot.model.createData())
         self.mass = robot.mass
-        self.limits = robot.effort_limits if effort_limits is None else np.asarray(effort_limits, np.float64)
+        given = robot.effort_limits if effort_limits is None else effort_limits
+        self.limits = real_array("effort_limits", given, (robot.joints,))
         self.actuators = actuators
         self._span = np.zeros((5, robot.joints))  # as for `torques_of`
         self._span[1], self._span[3], self._span[4] = self.limits, -math.inf, math.inf  # of ideal motors
         self._stops = np.array([robot.model.lowerPositionLimit, robot.model.upperPositionLimit])[:, 7:]
-        w = weights or TaskWeights()
-        self._set_memory(w, (*baumgarte, *(sole_damping or (baumgarte[1], baumgarte[1]))))
+        mu, low, high, rates = control_numbers(mu, (normal_min, normal_max), baumgarte, sole_damping)
+        self._set_memory(w := weights or TaskWeights(), rates)
         points, weight = len(self.point_foot), w.force / robot.mass**2
-        self._normals = np.full(points, normal_min), np.full(points, normal_max)
+        self._normals = np.full(points, low), np.full(points, high)
         bounds = np.full(points, mu), *self._normals
         self._distributor = ForceDistributor(*bounds, 1.0, weight)
         self._limited = ForceDistributor(*bounds, 1.0, weight, torque_limit=self.limits)
         self._bounds: tuple[float, bytes] | None = None
-        self.mu = self._given_mu = mu  # that is counted on now, and of the construction
-        self._swing_factor = 1.0
+        self.mu, self._given_mu, self._swing_factor = mu, mu, 1.0  # counted on now, and of the construction
         self._load: Load | None = None
         self._q, self._v = robot.nominal, np.zeros(robot.model.nv)
         self._stance: BoolArray = np.ones(len(robot.feet), dtype=bool)
@@ -222,9 +226,8 @@ class WholeBodyController(Bound, Remembering):
         """
         import pinocchio
 
-        self._load = load
+        self._load, self.mass = load, self.robot.mass
         base, inertias = self.robot.model.inertias[1], self._views.model.inertias
-        self.mass = self.robot.mass
         if load is None:
             inertias[1] = base
             return
@@ -382,8 +385,7 @@ class WholeBodyController(Bound, Remembering):
         slope = M @ (self._part(core.GAIN, nv, 6) @ ground[:6]) - ground[6:]
         offset = M @ self._part(core.OFFSET, nv) + views.bias[6:]
         slope[self._loose], offset[self._loose] = 0.0, 0.0
-        loaded = ~self._loose
-        offset[loaded] -= middle[loaded]
+        offset[~self._loose] -= middle[~self._loose]
         # in units in which the range is as wide as the box of the limits
         scale = np.divide(self.limits, half, out=np.ones_like(half), where=np.isfinite(half) & (half > 0.0))
         return self._limited.solve(

@@ -6,9 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.arrays import BoolArray, FloatArray, finite_array, of_kind, real_number
 from surefoot.base.settings import Settings, setting
 from surefoot.contact import Status
+from surefoot.mechanics import Actuators
 from surefoot.motion.control.whole_body_outcome import (
     BindingLimit,
     StepNotes,
@@ -66,6 +67,28 @@ class TaskWeights(Settings):
         tuned="`surefoot bench ablation --vary TaskWeights.force --factor 20 "
         "--task fast --seeds 3`, 2026-11-25: as good from 0.005 to 0.1",
     )  # fmt: skip
+
+
+def check_parts(actuators: Actuators | None, weights: TaskWeights | None) -> None:
+    """Refuse what are no motors or weights; None is neither."""
+    if actuators is not None:
+        of_kind("actuators", actuators, Actuators)
+    if weights is not None:
+        of_kind("weights", weights, TaskWeights)
+
+
+def control_numbers(
+    mu: float, normals: tuple[float, float], rates: tuple[float, float], sole: tuple[float, float] | None
+) -> tuple[float, float, float, tuple[float, ...]]:
+    """Return what a whole-body controller is given, checked: friction, normal bounds, and the four rates.
+
+    The arguments are those of `WholeBodyController`; without rates of soles they have the contact's damping.
+    """
+    low, high = normals
+    low, high = real_number("normal_min", low, low=0.0), real_number("normal_max", high, low=0.0)
+    stiffness, damping = finite_array("baumgarte", rates, (2,)).tolist()
+    soles = [damping, damping] if sole is None else finite_array("sole_damping", sole, (2,)).tolist()
+    return real_number("mu", mu, low=0.0), low, high, (stiffness, damping, *soles)
 
 
 class Kinematics(NamedTuple):

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.base.arrays import FloatArray, finite_array
+from surefoot.base.arrays import FloatArray, finite_array, of_kind
 from surefoot.base.spatial import GRAVITY, heading_of
 from surefoot.mechanics import Robot, Terrain
 from surefoot.motion.control.controller import RobotState
@@ -33,6 +33,15 @@ from surefoot.records import CHANNELS, Channel
 IMAGINED, THROWN_FOR, THROWN = 0.005, 0.1, 1.5
 """Steps of most of the walk that warms up, its last part in which the body is thrown [s], and how fast, every
 degree of freedom [m/s, rad/s]: fast enough that torques meet their limits."""
+
+
+def check_walk(command: Any, terrain: Any, settings: Any, kind: type) -> None:
+    """Refuse what is no command, terrain or settings of a kind; the last two may be None."""
+    of_kind("command", command, VelocityCommand)
+    if terrain is not None:
+        of_kind("terrain", terrain, Terrain)
+    if settings is not None:
+        of_kind("settings", settings, kind)
 
 
 class Walker(Tick):

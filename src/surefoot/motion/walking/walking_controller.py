@@ -39,7 +39,7 @@ from surefoot.motion.walking.pace_settings import STAIR_GAIT, STAIR_PHASE
 from surefoot.motion.walking.stair_phase import StepPhase
 from surefoot.motion.walking.touchdown_detection import TouchMemory, TouchSense
 from surefoot.motion.walking.walk_state import BipedState, GaitState, PlanTimes, StepInput, WalkState
-from surefoot.motion.walking.walker import Walker
+from surefoot.motion.walking.walker import Walker, check_walk
 from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand, first_stance, granted_share
 from surefoot.motion.walking.walking_feet import Feet, FeetModel, SwingRequest
 from surefoot.motion.walking.walking_kernels import follow
@@ -90,6 +90,7 @@ class WalkingController(Walker):
         dt: float = 1e-3,
     ) -> None:
         of_kind("robot", robot, Robot)
+        check_walk(command, terrain, settings, WalkSettings)
         flat = sum(foot.flat for foot in robot.feet)
         if not robot.floating or len(robot.feet) < 3 or flat:
             raise ModelError(

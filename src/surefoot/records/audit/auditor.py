@@ -19,6 +19,7 @@ from surefoot.records.audit.friction import FrictionCount
 from surefoot.records.audit.intervals import Interval, Track
 from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.audit.log_context import Setting, setting_of
+from surefoot.records.audit.model_changes import masses_changed
 from surefoot.records.audit.report import (
     MASSES,
     TOPICS,
@@ -132,7 +133,7 @@ def _coverage(log: Log, setting: Setting) -> dict[str, str]:
         if not setting.names:  # what never touches anything is judged by its momentum
             free = "momentum_rate" in log and not missing
             why = "" if check.name == "balance" and free else "the log has no contacts"
-        if not why and check.name in OF_ONE_MASS and "mass" in log.facts.get("change_kind", ()):
+        if not why and check.name in OF_ONE_MASS and masses_changed(log):
             why = "the loop changed masses of its model"
         out[check.name] = why or check.doubt(log, setting)
     return out
@@ -220,8 +221,8 @@ def _report(
         verdict, violations, more, symptoms, coverage, intervals,
         (*setting.doubts, *told, *setting.notes, *_changes(intervals)), len(log), float(time[0]),
         float(time[-1]), setting.names, setting.weight, reason, task, task_reason,
-        tuple(judge_command(log, setting)), setting.limits, story_of(log, setting, symptoms, task_reason), log,
-        doubt,
+        tuple(judge_command(log, setting)), setting.limits, story_of(log, setting, symptoms, task_reason),
+        log, doubt,
     )  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import of_kind
-from surefoot.base.errors import ProblemError, check_name
+from surefoot.base.errors import ProblemError, check_name, shown
 from surefoot.base.text_files import path_of
 from surefoot.records.log.channels import CHANNELS, Channel, check_shapes
 from surefoot.records.log.facts import FACTS
@@ -109,8 +109,18 @@ class Log:
         return (found,) if isinstance(found, str) else tuple(map(str, found))
 
     def rows(self, which: Any) -> Log:
-        """Return the log of some rows: a slice or a (T,) mask."""
-        arrays = {name: array[which] for name, array in self.arrays.items()}
+        """Return the log of some rows: a slice, a (T,) mask or (k,) places.
+
+        Raises
+        ------
+        ProblemError
+            For what picks no rows.
+        """
+        try:
+            arrays = {name: array[which] for name, array in self.arrays.items()}
+        except (IndexError, TypeError, ValueError) as error:
+            wanted = f"a slice, a ({len(self)},) mask or whole numbers from 0 to {len(self) - 1}"
+            raise ProblemError(f"rows must be {wanted}, got {shown(which)}") from error
         return Log(arrays, self.facts, channels=self.channels)
 
     def chunks(self, rows: int = 1 << 16) -> Iterator[Log]:
