@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -21,13 +21,14 @@ from surefoot.mechanics.robot.foot import Foot, frame_names, read_foot, shaped_f
 from surefoot.mechanics.robot.mjcf import is_mjcf, nominal_of, read_mjcf
 from surefoot.mechanics.robot.nominal import bend_legs
 from surefoot.mechanics.robot.parser_output import parser_output
+from surefoot.mechanics.robot.shape_loading import ShapesOfFile, mjcf_shapes, urdf_shapes
 from surefoot.mechanics.stance import Contact, PointContact, SoleContact, Stance
 from surefoot.mechanics.terrain import FlatTerrain, Terrain
 
 NOMINAL_POSES = ("standing", "half_sitting")
 
 
-class Robot:
+class Robot(ShapesOfFile):
     """A robot model with feet; built by `load_robot`.
 
     Configurations follow Pinocchio: q = [base position (3); base quaternion (x, y, z, w); joints],
@@ -278,7 +279,8 @@ def load_robot(
         folders = [root, root.parent.parent]
     chosen = entry.feet if feet is None else tuple(feet)
     fixed = entry.fixed_base if fixed_base is None else fixed_base
-    model, collision, visual = _build(path, folders, fixed)
+    model, load, visual = _build(path, folders, fixed)
+    collision = load()
     for joint, title in zip(list(model.joints)[1:], list(model.names)[1:], strict=True):
         if entry.unlimited and title.startswith(entry.unlimited):
             model.lowerPositionLimit[joint.idx_q], model.upperPositionLimit[joint.idx_q] = -np.pi, np.pi
@@ -287,7 +289,9 @@ def load_robot(
     shaped = entry.shapes and set(chosen) <= set(entry.feet)
     shapes = tuple(entry.shapes[entry.feet.index(f)] for f in chosen) if shaped else ()
     nominal = _nominal(model, collision, srdf, chosen, fixed, entry, shapes)
-    return Robot(name, model, collision, visual, chosen, nominal, not fixed, shapes)
+    out = Robot(name, model, collision, visual, chosen, nominal, not fixed, shapes)
+    out.keep_file(path, load)
+    return out
 
 
 def _from_mjcf(path: Path, feet: Sequence[str], fixed_base: bool | None) -> Robot:
@@ -298,7 +302,10 @@ def _from_mjcf(path: Path, feet: Sequence[str], fixed_base: bool | None) -> Robo
     if nominal is None:
         entry = catalog.CatalogEntry(str(path))
         nominal = _nominal(read.model, read.collision, None, feet, not read.floating, entry, ())
-    return Robot(path.stem, read.model, read.collision, lambda: read.collision, feet, nominal, read.floating)
+    load = partial(mjcf_shapes, path.resolve(), fixed_base)
+    out = Robot(path.stem, read.model, read.collision, load, feet, nominal, read.floating)
+    out.keep_file(path, load)
+    return out
 
 
 def _check_feet(model: Any, feet: Sequence[str], path: Path) -> None:
@@ -312,22 +319,16 @@ def _check_feet(model: Any, feet: Sequence[str], path: Path) -> None:
         raise ModelError(f"feet must differ, got {', '.join(feet)}")
 
 
-def _build(path: Path, folders: Sequence[Path], fixed: bool) -> tuple[Any, Any, Callable[[], Any]]:
-    """Return Pinocchio's model and collision geometry of a URDF file, and the loader of its looks."""
+def _build(
+    path: Path, folders: Sequence[Path], fixed: bool
+) -> tuple[Any, Callable[[], Any], Callable[[], Any]]:
+    """Return Pinocchio's model of a URDF file, and the loaders of its collision geometry and its looks."""
     pinocchio = import_pinocchio()
     root = [] if fixed else [pinocchio.JointModelFreeFlyer()]
     model = _parse_urdf(path, root)
-    packages = [str(f) for f in folders]
-
-    def shapes(kind: Any) -> Any:
-        try:
-            with parser_output():
-                return pinocchio.buildGeomFromUrdf(model, str(path), kind, package_dirs=packages)
-        except (ValueError, RuntimeError):  # meshes that cannot be found: the dynamics do without
-            return pinocchio.GeometryModel()
-
-    collision = shapes(pinocchio.GeometryType.COLLISION)
-    return model, collision, lambda: shapes(pinocchio.GeometryType.VISUAL)
+    packages = [str(f.resolve()) for f in folders]
+    load = partial(urdf_shapes, model, path.resolve(), packages)
+    return model, partial(load, "COLLISION"), partial(load, "VISUAL")
 
 
 def _parse_urdf(path: Path, root: Sequence[Any]) -> Any:

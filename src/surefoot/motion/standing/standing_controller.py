@@ -17,6 +17,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray, IntArray, of_kind
 from surefoot.base.errors import ProblemError
 from surefoot.base.numerics.points import contact_jacobian
+from surefoot.base.remaking import Remade
 from surefoot.base.spatial import GRAVITY
 from surefoot.contact import Status
 from surefoot.mechanics import ExactAllocation, Robot, Terrain, composite_inertia
@@ -77,7 +78,7 @@ class StandCommand(Command):
         }
 
 
-class StandingController(Controller):
+class StandingController(Remade, Controller):
     """Holds a robot up on its feet; call `step` at a fixed rate.
 
     Parameters
