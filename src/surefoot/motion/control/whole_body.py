@@ -394,7 +394,7 @@ class WholeBodyController(Bound, Remembering):
         )  # fmt: skip
 
     def damping(self, v: FloatArray) -> WholeBodyCommand:
-        """Return the safe command when nothing can be computed: `damping_torques` of (nv,) `v`, no forces."""
+        """Return the safe command at (nv,) v [m/s, rad/s] if all else fails: `damping_torques`, no forces."""
         torques = damping_torques(self.robot, v, self.limits)
         none = np.zeros(len(self._views.bias)), np.zeros((len(self.point_foot), 3))
         return WholeBodyCommand(torques, *none, False, 0.0, Status.INVALID)

@@ -155,7 +155,10 @@ def _foot_accelerations(notes: StepNotes, a: FloatArray) -> FloatArray:
 def binding_limits(
     notes: StepNotes, torques: FloatArray, a: FloatArray, forces: FloatArray
 ) -> tuple[BindingLimit, ...]:
-    """Return the limits on which a command lies, contact points first, then joints, each in their order."""
+    """Return the limits on which a command lies, contact points first, then joints, each in their order.
+
+    Torques (joints,) [N m], accelerations a (nv,) and forces (p, 3) [N] as in a `WholeBodyCommand`.
+    """
     points, robot, stance = notes.robot.contact_points, notes.robot, notes.stance
     out = [] if stance.any() else [BindingLimit("no_contact", robot.name)]
     low, high = notes.normals

@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 from surefoot.base.arrays import finite_array, of_kind, real_number
 from surefoot.base.errors import ProblemError, check_name
 from surefoot.base.loaded import SENSED
-from surefoot.base.memory import Remembering
-from surefoot.base.remaking import Remade
+from surefoot.base.memory import Remade, Remembering
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Actuators, FlatTerrain, Robot, Terrain, actuators_of, with_rotors
 from surefoot.motion.control.controller import Command, JointTargets, RobotState

@@ -16,8 +16,8 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray, of_kind
 from surefoot.base.errors import ProblemError
+from surefoot.base.memory import Remade
 from surefoot.base.numerics.points import contact_jacobian
-from surefoot.base.remaking import Remade
 from surefoot.base.spatial import GRAVITY
 from surefoot.contact import Status
 from surefoot.mechanics import ExactAllocation, Robot, Terrain, composite_inertia

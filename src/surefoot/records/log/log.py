@@ -96,6 +96,8 @@ class Log:
         ProblemError
             If the log does not tell it, or tells something else.
         """
+        if not isinstance(name, str):
+            raise ProblemError(f"a fact is asked for by its name, got {shown(name)}")
         known = FACTS.get(name)
         if name not in self.facts:
             meaning = "" if known is None else f" ({known.meaning})"

@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike
 from surefoot.base.arrays import FloatArray, IntArray, finite_array, real_number, whole_number
 from surefoot.base.errors import SimulationError
 from surefoot.base.kernels import VECTOR, entry_point
+from surefoot.base.memory import Remade
 from surefoot.base.numerics.vectors import finite_vector, largest
-from surefoot.base.remaking import Remade
 from surefoot.base.spatial import base_velocity, quaternion_wxyz
 from surefoot.mechanics import Actuators, Geometry, Robot, Terrain
 from surefoot.records import Log

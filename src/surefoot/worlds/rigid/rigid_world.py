@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, finite_array, of_kind, real_number
 from surefoot.base.errors import ProblemError, check_name
+from surefoot.base.memory import Remade
 from surefoot.base.numerics.vectors import finite_vector
-from surefoot.base.remaking import Remade
 from surefoot.contact import ContactSolution, stopping_depth
 from surefoot.mechanics import (
     Actuators,
