@@ -173,6 +173,8 @@ LIKE = {
     "Robot": 'sf.load_robot("go2")',
     "Terrain": "sf.SlopeTerrain(10.0)",
     "Log": "sf.read_log(file)",
+    "ContactSchedule": '"trot", the name of one,',
+    "VelocityCommand": "sf.VelocityCommand.constant(0.5)",
     "ContactSequence": "sf.read_sequence(file)",
     "StanceQuestion": "sf.read_stance(file)",
     "SweepConfig": "sf.read_sweep(file)",

@@ -25,8 +25,9 @@ class Status(Enum):
 
     SOLVED means that `Residuals.velocity_error`, `rounding` and `energy_gap`, computed from the problem
     alone, are within the tolerance; ALMOST that the error is within a thousand times of it. INFEASIBLE
-    means that there is no solution, and comes with a proof. INVALID: the forces' velocities overflow. The
-    others say why the solver stopped.
+    means that there is no solution, and comes with a proof. INVALID: the forces' velocities overflow.
+    COMPROMISED is of commands alone: every limit holds, but what was asked for is not met. The others say why
+    the solver stopped.
     """
 
     SOLVED = "solved"
@@ -35,6 +36,7 @@ class Status(Enum):
     MAX_ITERATIONS = "max_iterations"
     MAX_TIME = "max_time"
     INFEASIBLE = "infeasible"
+    COMPROMISED = "compromised"
     INVALID = "invalid"
 
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from surefoot.base.errors import ModelError
-from surefoot.mechanics.robot import place
+from surefoot.contact import Status
+from surefoot.mechanics.robot import Robot, place
 from surefoot.mechanics.terrain import FlatTerrain, SlopeTerrain, Terrain, rough_ground
 from surefoot.motion.control.controller import RobotState
 from surefoot.motion.gaits.gait import ModeSchedule
@@ -12,6 +13,7 @@ from surefoot.motion.ground.touched_ground import TouchedGround
 from surefoot.motion.walking.behaviours import BEHAVIOURS, StandStill
 from surefoot.motion.walking.behaviours.arbiter import LOGGED
 from surefoot.motion.walking.behaviours.behaviour import Request, WalkView
+from surefoot.motion.walking.walkers import walking_controller
 from surefoot.motion.walking.walking_body import VelocityCommand
 from surefoot.motion.walking.walking_controller import WalkingController, WalkSettings
 from tests.motion.walking.behaviours.views import Wanting
@@ -77,6 +79,65 @@ def test_a_state_that_is_not_finite_gives_a_safe_command(bad: float) -> None:
     assert not command.attained
     assert np.isfinite(command.torques).all()
     assert (np.abs(command.torques) <= robot.effort_limits).all()
+
+
+def fallen(robot: Robot, angle: float) -> np.ndarray:
+    """Return the configuration of a robot rolled by an angle [rad] about its length."""
+    q = place(robot)
+    q[3:7] = [np.sin(0.5 * angle), 0.0, 0.0, np.cos(0.5 * angle)]
+    return q
+
+
+@pytest.mark.parametrize("name", ["go2", "g1"])
+def test_on_its_back_nothing_is_attained(name: str) -> None:
+    robot = robot_of(name)
+    contact = np.ones(len(robot.feet), dtype=bool)
+    still = RobotState(place(robot), np.zeros(robot.model.nv), 0.0, contact)
+    walk = walking_controller(robot, VelocityCommand.constant(0.0))
+    assert walk.step(still).attained
+    for k, angle in enumerate((np.pi, 0.5 * np.pi, -1.2)):
+        over = still._replace(q=fallen(robot, angle), time=0.001 * (k + 1))
+        assert not walk.step(over).attained
+        assert (
+            not walking_controller(robot, VelocityCommand.constant(0.0))
+            .step(over._replace(contact=None))
+            .attained
+        )
+    assert walk.step(still._replace(q=fallen(robot, 0.2), time=0.004)).attained
+
+
+@pytest.mark.parametrize("name", ["go2", "g1"])
+def test_without_contact_nothing_is_attained_unless_the_gait_flies(name: str) -> None:
+    robot = robot_of(name)
+    n = len(robot.feet)
+    state = RobotState(place(robot), np.zeros(robot.model.nv), 0.0, np.ones(n, dtype=bool))
+    walk = walking_controller(robot, VelocityCommand.constant(0.0))
+    assert walk.step(state).attained
+    for k in range(1, 60):
+        assert not walk.step(state._replace(time=0.001 * k, contact=np.zeros(n, dtype=bool))).attained
+    assert walk.step(state._replace(time=0.06)).attained
+
+
+def test_a_gait_that_flies_attains_its_flight() -> None:
+    robot = robot_of("go2")
+    schedule = ModeSchedule([0.2, 0.3, 0.6], [15, 0, 15, 15], feet=4)
+    walk = WalkingController(robot, FORWARD, schedule, settings=WalkSettings(start=0.0))
+    state = RobotState(place(robot), np.zeros(robot.model.nv), 0.0, ALL)
+    walk.step(state)
+    assert walk.step(state._replace(time=0.25, contact=~ALL)).attained
+
+
+def test_a_quaternion_of_zeros_is_invalid() -> None:
+    for name in ("go2", "g1"):
+        robot = robot_of(name)
+        q = place(robot)
+        contact = np.ones(len(robot.feet), dtype=bool)
+        walk = walking_controller(robot, FORWARD)
+        walk.step(RobotState(q, np.zeros(robot.model.nv), 0.0, contact))
+        q[3:7] = 0.0
+        command = walk.step(RobotState(q, np.zeros(robot.model.nv), 0.001, contact))
+        assert command.status is Status.INVALID
+        assert not command.attained
 
 
 def test_a_mode_schedule_serves_as_a_gait() -> None:

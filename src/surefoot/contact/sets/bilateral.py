@@ -31,7 +31,7 @@ class Bilateral(ContactKind):
     bilateral = True
 
     def __post_init__(self) -> None:
-        whole_number("rows", self.rows, low=1)
+        object.__setattr__(self, "rows", whole_number("rows", self.rows, low=1))
         if self.rows > 6:
             raise ProblemError(f"rows must be at most 6, got {self.rows}")
         if self.normal_min != 0.0 or self.normal_max != math.inf:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
-from surefoot.base.errors import ProblemError
+from surefoot.base.errors import ProblemError, shown
 from surefoot.contact.sets.bilateral import Bilateral
 from surefoot.contact.sets.contact import ContactKind
 from surefoot.contact.sets.kinds import Point
@@ -48,7 +48,11 @@ class ContactSet(Sequence[ContactKind]):
     """
 
     def __init__(self, contacts: Sequence[ContactKind]) -> None:
-        self._contacts = tuple(contacts)
+        try:
+            self._contacts = tuple(contacts)
+        except TypeError as error:
+            wanted = "contacts must be a list of sf.contact_sets, as [sf.contact_sets.Point(mu=0.5)] is one"
+            raise ProblemError(f"{wanted}, got {shown(contacts)}") from error
         for k, contact in enumerate(self._contacts):
             if not isinstance(contact, ContactKind):
                 raise ProblemError(f"contacts[{k}] must be one of sf.contact_sets, got {contact!r:.80}")

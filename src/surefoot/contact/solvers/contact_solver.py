@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import astuple
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -221,8 +221,21 @@ class ContactSolver:
             self._memory[m + LAWS] = self._laws.vectors[1]
             self._memory[m + FLAGS, 0] = CONVEX_CALL if self.law.shift == 0.0 else 0
             self._memory[m + COMPLIANCE] = np.diagonal(self._laws.G)
-            types = MATRIX, VECTOR, MATRIX, REAL, INTEGER, BOOLEAN, MATRIX
-            self._call = entry_point(_solve_raw, *types)
+            self._bind()
+
+    def _bind(self) -> None:
+        """Find the compiled call."""
+        types = MATRIX, VECTOR, MATRIX, REAL, INTEGER, BOOLEAN, MATRIX
+        self._call = entry_point(_solve_raw, *types)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return all but the compiled call, with the memory that nobody uses."""
+        return {**{name: value for name, value in vars(self).items() if name != "_call"}, "_turn": [None]}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        if self._compiled:
+            self._bind()
 
     def reset(self) -> None:
         """Forget the last forces: the next call starts from zero."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +19,7 @@ from surefoot.mechanics.robot import catalog
 from surefoot.mechanics.robot.contact_points import ContactPoints, contact_points
 from surefoot.mechanics.robot.foot import Foot, frame_names
 from surefoot.mechanics.robot.mjcf import is_mjcf, nominal_of, read_mjcf
+from surefoot.mechanics.robot.shape_loading import ShapesOfFile, mjcf_shapes, urdf_shapes
 from surefoot.mechanics.stance import Contact, PointContact, SoleContact, Stance
 from surefoot.mechanics.terrain import FlatTerrain, Terrain
 
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from surefoot.mechanics.robot.lint import Lint
 
 
-class Robot:
+class Robot(ShapesOfFile):
     """A robot model with feet; built by `load_robot`.
 
     Configurations follow Pinocchio: q = [base position (3); base quaternion (x, y, z, w); joints],
@@ -311,16 +312,15 @@ def load_robot(
     _check_feet(model, chosen, path)
     name = path.stem if path.suffix and "/" in text else text
 
-    def visual() -> Any:
-        return urdf_geometry(model, path, pinocchio.GeometryType.VISUAL, folders)[0]
-
+    load = partial(urdf_shapes, model, path.resolve(), [folder.resolve() for folder in folders])
+    visual = partial(load, "VISUAL")
     source = FootSource(model, collision, visual, missing)
     found, nominal = feet_and_pose(source, chosen, file_pose(model, srdf, entry), fixed, entry)
-    robot_read = Robot(name, model, collision, visual, found, nominal, not fixed, missing)
-    robot_read.notes = reading_notes(found, missing) if is_own else ()
-    robot_read.source = path
-    robot_read.described = bool(entry.shapes) and set(chosen) <= set(entry.feet)
-    return robot_read
+    out = Robot(name, model, collision, visual, found, nominal, not fixed, missing)
+    out.notes = reading_notes(found, missing) if is_own else ()
+    out.source, out.described = path, bool(entry.shapes) and set(chosen) <= set(entry.feet)
+    out.keep_file(path, partial(load, "COLLISION"))
+    return out
 
 
 def _from_mjcf(path: Path, feet: Sequence[str], fixed_base: bool | None) -> Robot:
@@ -331,19 +331,15 @@ def _from_mjcf(path: Path, feet: Sequence[str], fixed_base: bool | None) -> Robo
     read = read_mjcf(path, fixed_base)
     _check_feet(read.model, feet, path)
 
-    def visual() -> Any:
-        return read.collision
-
-    source, entry = (
-        FootSource(read.model, read.collision, visual, read.missing_meshes),
-        catalog.CatalogEntry(str(path)),
-    )
-    found, nominal = feet_and_pose(source, feet, nominal_of(read.poses), not read.floating, entry)
+    load, entry = partial(mjcf_shapes, path.resolve(), fixed_base), catalog.CatalogEntry(str(path))
     missing = read.missing_meshes
-    robot = Robot(path.stem, read.model, read.collision, visual, found, nominal, read.floating, missing)
-    robot.notes = reading_notes(found, missing)
-    robot.source = path
-    return robot
+    source = FootSource(read.model, read.collision, load, missing)
+    found, nominal = feet_and_pose(source, feet, nominal_of(read.poses), not read.floating, entry)
+    out = Robot(path.stem, read.model, read.collision, load, found, nominal, read.floating, missing)
+    out.notes = reading_notes(found, missing)
+    out.source = path
+    out.keep_file(path, load)
+    return out
 
 
 def _check_feet(model: Any, feet: Sequence[str], path: Path) -> None:
@@ -355,5 +351,3 @@ def _check_feet(model: Any, feet: Sequence[str], path: Path) -> None:
             raise ModelError(unknown_name(f"foot frame of {path.name}", name, bodies))
     if len(set(feet)) != len(feet):
         raise ModelError(f"feet must differ, got {', '.join(feet)}")
-
-

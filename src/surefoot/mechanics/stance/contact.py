@@ -172,7 +172,7 @@ class PointContact(Contact):
 
     def unit_sides(self, facets: int, fit: Fit) -> tuple[FloatArray, BoolArray]:
         """(facets, 3) sides [-] of the friction pyramid, whose slack is in newtons of tangential force."""
-        return _pyramid_sides(facets, fit)
+        return _pyramid_sides(whole_number("facets", facets, low=3), fit)
 
 
 @lru_cache(maxsize=16)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from itertools import accumulate, pairwise
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, finite_array, per_contact
-from surefoot.base.errors import ProblemError, check_name
+from surefoot.base.errors import ProblemError, check_name, shown
 from surefoot.base.spatial import skew
 from surefoot.contact import Fit, ProductCone
 from surefoot.mechanics.stance.contact import Contact, PointContact, SoleContact
@@ -35,11 +35,12 @@ class Stance:
     """
 
     def __init__(self, contacts: Sequence[Contact]) -> None:
-        if not isinstance(contacts, Iterable):
+        try:
+            self.contacts = tuple(contacts)
+        except TypeError as error:
             raise ProblemError(
-                f"contacts must be a list, as [sf.PointContact(p)] is one, got {contacts!r:.60}"
-            )
-        self.contacts = tuple(contacts)
+                f"contacts must be a list, as [sf.PointContact(p)] is one, got {shown(contacts)}"
+            ) from error
         for k, contact in enumerate(self.contacts):
             if not isinstance(contact, (PointContact, SoleContact)):
                 raise ProblemError(

@@ -168,7 +168,7 @@ class ForceDistributor(Remembering):
         reference
             (n, 3) wanted forces [N]; kept until the next reference. Zero at first.
         active
-            (n,) mask of the contacts that may carry force; kept until the next mask, see `set_active`.
+            (n,) mask of the contacts that may carry force; kept until the next mask: `active` tells it.
         jacobian
             (3n, joints) map from joint velocities to contact velocities in contact frames [m]. With it
             the joint torques obey ``|jacobian.T @ f + torque_offset| <= torque_limit``. If no
@@ -180,8 +180,8 @@ class ForceDistributor(Remembering):
         Returns
         -------
         FloatArray
-            (n, 3) [N] in contact frames, inside every cone and bound. For NaN or infinite input the
-            last command, brought into the cones; `status` is then INVALID.
+            (n, 3) [N] in contact frames, inside every cone and bound. For NaN or infinite input, be it of a
+            contact that is off, the last command, brought into the cones; `status` is then INVALID.
 
         Raises
         ------
@@ -280,8 +280,14 @@ class ForceDistributor(Remembering):
         self._build(columns // 3)
 
     def set_active(self, active: ArrayLike) -> None:
-        """Switch contacts on and off: (n,) mask. A contact that is off carries exactly zero."""
-        on = np.ascontiguousarray(numbers("active", active) != 0.0)
+        """Switch contacts on and off: (n,) mask. A contact that is off carries exactly zero.
+
+        Raises
+        ------
+        ProblemError
+            For a wrong shape, or a mask that is not finite.
+        """
+        on = np.ascontiguousarray(finite_array("active", active) != 0.0)
         if on.shape != self._forces_shape[:1]:
             raise ProblemError(f"active must have shape {self._forces_shape[:1]}, got {on.shape}")
         layout.set_limits(self.work, *self._bounds, on)
@@ -334,6 +340,15 @@ class ForceDistributor(Remembering):
         if last.shape != self._forces_shape:
             raise ProblemError(f"forces must have shape {self._forces_shape}, got {last.shape}")
         self.work[: len(last), layout.LAST : layout.LAST + 3] = last
+
+    @property
+    def active(self) -> BoolArray:
+        """(n,) which contacts could carry force in the last `solve`, and can in the next without a mask.
+
+        A copy; those with an upper bound of zero are off. Before the first `solve` without (n,) parameters,
+        the one contact that there is until a grasp map says how many.
+        """
+        return np.asarray(self.work[: self._forces_shape[0], layout.CEILING] > 0.0)
 
     @property
     def status(self) -> Status:

@@ -163,10 +163,10 @@ def corner_basis(mu: FloatArray, facets: int | None, fit: Fit) -> tuple[FloatArr
             force[rows, columns] = [[0.0, m, 0.0], [0.0, 0.0, m], [1.0, 0.0, 0.0]]
             e[count * k] = axis_scale(m)
         else:
-            pyramid = FrictionPyramid(float(m), facets, fit)
-            face = m * np.cos(np.pi / facets) if fit == "inner" else m
+            pyramid = FrictionPyramid(float(m), count, fit)
+            face = m * np.cos(np.pi / count) if fit == "inner" else m
             force[rows, columns] = pyramid.rays.T
-            e[columns] = axis_scale(face) / facets
+            e[columns] = axis_scale(face) / count
     return force, e
 
 

@@ -58,7 +58,8 @@ class Command:
     active
         (p,) whether each contact point may push; a single flag for all.
     attained
-        Whether what it wants is possible within the cones, bounds and limits.
+        Whether what it wants is possible within the cones, bounds and limits; not on a robot that has fallen
+        over, nor, in a walk, while no foot touches though the gait wants one on the ground.
     status
         How the force distribution ended.
     accelerations

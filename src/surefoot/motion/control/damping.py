@@ -13,6 +13,8 @@ LARGEST = 1e6
 """A state with a larger number is as good as none [m, rad, m/s, rad/s]."""
 DAMPING_RATE = BODY_CONTROL.damping_rate
 """A setting, as compiled code folds it."""
+FALLEN = 0.5
+"""Cosine of the base's tilt below which a robot is not over its feet any more [-]: 60 degrees, as `Fall`."""
 
 
 @kernel
@@ -25,6 +27,20 @@ def computable(q: FloatArray, v: FloatArray) -> bool:
         if not abs(x) <= LARGEST:
             return False
     return True
+
+
+@kernel
+def computable_pose(q: FloatArray, v: FloatArray) -> bool:
+    """Tell whether a state (nq,), (nv,) of a floating base is `computable`, its quaternion one of a rotation.
+
+    Between 0.5 and 2 long it is one that has drifted; zeros are what a sensor says that has no attitude yet.
+    """
+    if not computable(q, v):
+        return False
+    square = 0.0
+    for i in range(3, 7):
+        square += q[i] * q[i]
+    return 0.25 < square < 4.0
 
 
 def damping_torques(robot: Robot, v: FloatArray, limits: FloatArray) -> FloatArray:

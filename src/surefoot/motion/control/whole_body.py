@@ -28,20 +28,22 @@ import math
 
 import numpy as np
 
-from surefoot.base.arrays import BoolArray, FloatArray, IntArray, of_kind
+from surefoot.base.arrays import BoolArray, FloatArray, IntArray, of_kind, real_array
 from surefoot.base.errors import ModelError, ProblemError
 from surefoot.base.live_arrays import Bound
 from surefoot.base.memory import Memory, Remembering
 from surefoot.contact import Status
 from surefoot.mechanics import Actuators, ForceDistributor, Robot, with_rotors
 from surefoot.motion.control import whole_body_step as core
-from surefoot.motion.control.damping import computable, damping_torques
+from surefoot.motion.control.damping import computable_pose, damping_torques
 from surefoot.motion.control.model_views import ModelViews, pinocchio_module
+from surefoot.motion.control.whole_body_outcome import StepNotes
 from surefoot.motion.control.whole_body_tasks import ForceLimits as ForceLimits
 from surefoot.motion.control.whole_body_tasks import Kinematics as Kinematics
 from surefoot.motion.control.whole_body_tasks import Tasks as Tasks
 from surefoot.motion.control.whole_body_tasks import TaskWeights as TaskWeights
 from surefoot.motion.control.whole_body_tasks import WholeBodyCommand as WholeBodyCommand
+from surefoot.motion.control.whole_body_tasks import check_parts, control_numbers
 from surefoot.motion.estimation.wrench_kernels import point_inertia
 from surefoot.motion.estimation.wrench_observer import Instant, Load
 
@@ -90,11 +92,13 @@ class WholeBodyController(Bound, Remembering):
     ------
     ModelError
         If the robot has a fixed base or no feet.
+    ProblemError
+        For what is not a number within its range.
     """
 
     MEMORY = (
         "_load", "_q", "_v", "_known", "_memory", "mu", "_swing_factor", "_bounds", "_stance", "_loose",
-        "_span", "_distributor", "_limited",
+        "_normals", "_span", "_distributor", "_limited",
     )  # fmt: skip
 
     def __init__(
@@ -112,23 +116,25 @@ class WholeBodyController(Bound, Remembering):
         of_kind("robot", robot, Robot)
         if not robot.floating or not robot.feet:
             raise ModelError(f"whole-body control of {robot.name} needs a floating base and feet")
+        check_parts(actuators, weights)
         self.robot = robot = robot if actuators is None else with_rotors(robot, actuators.armature)
         self._views = ModelViews(robot.model.copy(), robot.model.createData())
         self.mass = robot.mass
-        self.limits = robot.effort_limits if effort_limits is None else np.asarray(effort_limits, np.float64)
+        given = robot.effort_limits if effort_limits is None else effort_limits
+        self.limits = real_array("effort_limits", given, (robot.joints,))
         self.actuators = actuators
         self._span = np.zeros((5, robot.joints))  # as for `torques_of`
         self._span[1], self._span[3], self._span[4] = self.limits, -math.inf, math.inf  # of ideal motors
         self._stops = np.array([robot.model.lowerPositionLimit, robot.model.upperPositionLimit])[:, 7:]
-        w = weights or TaskWeights()
-        self._set_memory(w, (*baumgarte, *(sole_damping or (baumgarte[1], baumgarte[1]))))
+        mu, low, high, rates = control_numbers(mu, (normal_min, normal_max), baumgarte, sole_damping)
+        self._set_memory(w := weights or TaskWeights(), rates)
         points, weight = len(self.point_foot), w.force / robot.mass**2
-        bounds = np.full(points, mu), np.full(points, normal_min), np.full(points, normal_max)
+        self._normals = np.full(points, low), np.full(points, high)
+        bounds = np.full(points, mu), *self._normals
         self._distributor = ForceDistributor(*bounds, 1.0, weight)
         self._limited = ForceDistributor(*bounds, 1.0, weight, torque_limit=self.limits)
         self._bounds: tuple[float, bytes] | None = None
-        self.mu = self._given_mu = mu  # that is counted on now, and of the construction
-        self._swing_factor = 1.0
+        self.mu, self._given_mu, self._swing_factor = mu, mu, 1.0  # counted on now, and of the construction
         self._load: Load | None = None
         self._q, self._v = robot.nominal, np.zeros(robot.model.nv)
         self._stance: BoolArray = np.ones(len(robot.feet), dtype=bool)
@@ -154,6 +160,7 @@ class WholeBodyController(Bound, Remembering):
         self._seen = part(core.TWISTS, 6, -1), part(core.TOUCHING, -1, 3), part(core.POSE, 3, 4)
         feet = part(core.CENTRES, -1, 3), part(core.MOVING, -1, 6), part(core.DRIFTS, -1, 6)
         com, speed, spin = part(core.BODY, 3, 3)
+        self._noted = self._memory[slice(*self._numbers[[*core.NOTED]])]
         self._moved = com, speed, part(core.BASE, 3, 3), spin, *feet
 
     @property
@@ -180,7 +187,7 @@ class WholeBodyController(Bound, Remembering):
         controller's own arrays, which the next `update` changes.
         """
         pin = pinocchio_module()
-        self._known, views = computable(q, v), self._views
+        self._known, views = computable_pose(q, v), self._views
         model, data = views.model, views.data
         pin.crba(model, data, q)
         pin.nonLinearEffects(model, data, q, v)
@@ -219,9 +226,8 @@ class WholeBodyController(Bound, Remembering):
         """
         import pinocchio
 
-        self._load = load
+        self._load, self.mass = load, self.robot.mass
         base, inertias = self.robot.model.inertias[1], self._views.model.inertias
-        self.mass = self.robot.mass
         if load is None:
             inertias[1] = base
             return
@@ -260,13 +266,14 @@ class WholeBodyController(Bound, Remembering):
             return
         self._bounds = bounds
         on, most = self._stance[self.point_foot], limits.most[self.point_foot]
+        self._normals = np.minimum(limits.least, most), most
         for distributor in (self._distributor, self._limited):
-            distributor.set_bounds(np.minimum(limits.least, most), most, on)
+            distributor.set_bounds(*self._normals, on)
 
     def solve(self, tasks: Tasks, limits: ForceLimits = FREE) -> WholeBodyCommand:
         """Return the command for the state of the last `update`, within the limits of this step.
 
-        Never raises on a hard instance and never returns NaN: see `WholeBodyCommand.feasible`.
+        Never raises on a hard instance and never returns NaN: see `WholeBodyCommand.status`.
         """
         if not self._known:
             return self.damping(self._v)
@@ -277,7 +284,7 @@ class WholeBodyController(Bound, Remembering):
         rows, sound = core.force_problem(
             numbers, memory, views.mass_matrix, views.bias, self.mass, outside, tasks.stance,
             tasks.com_acceleration, tasks.turn_acceleration, tasks.feet, tasks.joints, tasks.frames,
-            tasks.gaps,
+            tasks.gaps, tasks.forces,
         )  # fmt: skip
         self._set_stance(tasks.stance)
         pinned: dict[int, int] = {}
@@ -293,7 +300,8 @@ class WholeBodyController(Bound, Remembering):
         if status is Status.INVALID or not finite:
             return self.damping(self._v)
         feasible = max(unloaded, loaded) <= 1.0 + TORQUE_SLACK
-        return WholeBodyCommand(command, accelerations, forces, feasible, max(excess, 0.0), status)
+        notes = StepNotes(self.robot, numbers, self._noted.copy(), self.mu, self._normals)
+        return WholeBodyCommand(command, accelerations, forces, feasible, max(excess, 0.0), status, notes)
 
     def warm_up(self) -> None:
         """Compile or load what `solve` calls only where torques meet their limits."""
@@ -359,8 +367,7 @@ class WholeBodyController(Bound, Remembering):
 
     def _unloaded(self) -> BoolArray:
         """Return which joints no contact force loads: (joints,)."""
-        support = self.robot.contact_points.foot_support[self._stance]
-        return np.logical_not(support[:, 6:].any(axis=0))
+        return np.logical_not(self.robot.contact_points.foot_support[self._stance][:, 6:].any(axis=0))
 
     def _set_stance(self, stance: BoolArray) -> None:
         """Let the points of the feet in stance push, and no others."""
@@ -378,23 +385,16 @@ class WholeBodyController(Bound, Remembering):
         slope = M @ (self._part(core.GAIN, nv, 6) @ ground[:6]) - ground[6:]
         offset = M @ self._part(core.OFFSET, nv) + views.bias[6:]
         slope[self._loose], offset[self._loose] = 0.0, 0.0
-        loaded = ~self._loose
-        offset[loaded] -= middle[loaded]
+        offset[~self._loose] -= middle[~self._loose]
         # in units in which the range is as wide as the box of the limits
         scale = np.divide(self.limits, half, out=np.ones_like(half), where=np.isfinite(half) & (half > 0.0))
         return self._limited.solve(
-            *self._problem,
-            tasks.forces,
-            self._stance[self.point_foot],
-            jacobian=(scale[:, None] * slope).T,
-            torque_offset=scale * offset,
-        )
+            *self._problem, tasks.forces, self._stance[self.point_foot],
+            jacobian=(scale[:, None] * slope).T, torque_offset=scale * offset,
+        )  # fmt: skip
 
     def damping(self, v: FloatArray) -> WholeBodyCommand:
-        """Return the safe command when nothing can be computed: torques that slow the joints, no forces.
-
-        Joints whose speed in (nv,) `v` [m/s, rad/s] is not finite get no torque.
-        """
+        """Return the safe command at (nv,) v [m/s, rad/s] if all else fails: `damping_torques`, no forces."""
         torques = damping_torques(self.robot, v, self.limits)
         none = np.zeros(len(self._views.bias)), np.zeros((len(self.point_foot), 3))
         return WholeBodyCommand(torques, *none, False, 0.0, Status.INVALID)

@@ -36,13 +36,19 @@ WEIGHTS, JOINTS, MIDDLES, RADII, OFFSETS = range(5)
 # and drifts (n, 6) of the feet; rotation of the base (3, 3), and with its place (3, 4); centre of mass, its
 # velocity and the base's angular one (3, 3)
 TWISTS, ROTATIONS, PLACES, CENTRES, MOVING, DRIFTS, BASE, POSE, BODY = range(5, 14)
+# what the last step was given and may give, which an answer is told apart by later: accelerations of the
+# centre of mass and of the turn, the mass, the outside force in base axes (10,); stance (n,), accelerations
+# of the feet (n, 6) and the joints (joints,), forces (3p,), frames (n, 3, 3); the joints' span (5, joints)
+WHOLE, STANDS, MOVES, GAINS, PUSHES, GROUNDS, SPAN = range(14, 21)
 # the least ½ aᵀ H a - cᵀ a of the tasks (nv, nv), (nv,) under the constraints E a = e + [w; 0] (r, nv), (r,)
-H, C, E, WANTED = range(14, 18)
+H, C, E, WANTED = range(21, 25)
 # accelerations are offset + gain w (nv,), (nv, 6), contact forces f cost ½ ||map f - target||² (6, 3p), (6,),
 # and push along the rows (3p, nv)
-OFFSET, GAIN, ROOT, TARGET, MAP, ROWS = range(18, 24)
+OFFSET, GAIN, ROOT, TARGET, MAP, ROWS = range(25, 31)
 # contacts: normals, arms and touching points of the feet (n, 3), frames (p, 3, 3) and places (p, 3) of points
-NORMALS, ARMS, TOUCHING, FRAMES, SPOTS = range(24, 29)
+NORMALS, ARMS, TOUCHING, FRAMES, SPOTS = range(31, 36)
+NOTED = PARTS + TWISTS, PARTS + H
+"""Where the numbers say that the state and what the step was given begin and end in the memory."""
 PINNED_SLACK = 1e-6
 """Share of its range by which a torque or an acceleration exceeds it before it is pinned [-]: rounding is
 less."""
@@ -71,11 +77,13 @@ def step_memory(
     weights, joints
         (8,) see `RATES`; (joints,) of the joints' accelerations.
     """
-    n, p = len(points.flat), len(points.foot)
-    most = 6 + int(np.where(points.flat, 6, 3).sum()) + len(joints)
+    n, p, j = len(points.flat), len(points.foot), len(joints)
+    most = 6 + int(np.where(points.flat, 6, 3).sum()) + j
     lengths = [
-        8, len(joints), 3 * n, n, 3 * p, 6 * nv, 9 * n, 3 * n, 3 * n, 6 * n, 6 * n, 9, 12, 9, nv * nv, nv,
-        most * nv, most, nv, 6 * nv, 36, 6, 18 * p, 3 * p * nv, 3 * n, 3 * n, 3 * n, 9 * p, 3 * p,
+        8, j, 3 * n, n, 3 * p, 6 * nv, 9 * n, 3 * n, 3 * n, 6 * n, 6 * n, 9, 12, 9,
+        10, n, 6 * n, j, 3 * p, 9 * n, 5 * j,
+        nv * nv, nv, most * nv, most, nv, 6 * nv, 36, 6, 18 * p, 3 * p * nv,
+        3 * n, 3 * n, 3 * n, 9 * p, 3 * p,
     ]  # fmt: skip
     starts = np.cumsum([0, *lengths])
     whole = [np.asarray(a).ravel() for a in (points.foot_support, points.flat, points.frames, points.foot)]
@@ -156,11 +164,39 @@ def kinematics(
     )  # fmt: skip
 
 
+@inline_kernel
+def _note(
+    numbers: IntArray, memory: FloatArray, mass: float, outside: FloatArray, stance: BoolArray,
+    com: FloatArray, turn: FloatArray, feet: FloatArray, joints: FloatArray, frames: FloatArray,
+    forces: FloatArray,
+) -> None:  # fmt: skip
+    """Note what a step is given, see `WHOLE`; arguments as for `force_problem`."""
+    nv, n, p = numbers[NV], numbers[FEET], numbers[POINTS]
+    whole, stands = _vector(numbers, memory, WHOLE, 10), _vector(numbers, memory, STANDS, n)
+    moves, grounds = _matrix(numbers, memory, MOVES, n, 6), _matrices(numbers, memory, GROUNDS, n)
+    gains, pushes = _vector(numbers, memory, GAINS, nv - 6), _matrix(numbers, memory, PUSHES, p, 3)
+    whole[6] = mass
+    for i in range(3):
+        whole[i], whole[3 + i], whole[7 + i] = com[i], turn[i], outside[i]
+    for k in range(n):
+        stands[k] = 1.0 if stance[k] else 0.0
+        for i in range(6):
+            moves[k, i] = feet[k, i]
+        for i in range(3):
+            for j in range(3):
+                grounds[k, i, j] = frames[k, i, j]
+    for j in range(nv - 6):
+        gains[j] = joints[j]
+    for k in range(p):
+        for i in range(3):
+            pushes[k, i] = forces[k, i]
+
+
 @kernel
 def force_problem(
     numbers: IntArray, memory: FloatArray, M: FloatArray, bias: FloatArray, mass: float,
     outside: FloatArray, stance: BoolArray, com: FloatArray, turn: FloatArray, feet: FloatArray,
-    joints: FloatArray, frames: FloatArray, gaps: FloatArray,
+    joints: FloatArray, frames: FloatArray, gaps: FloatArray, forces: FloatArray,
 ) -> tuple[int, bool]:  # fmt: skip
     """Reduce the step after `kinematics` to forces; return the number of constraints, and success.
 
@@ -172,9 +208,10 @@ def force_problem(
         (nv, nv), (nv,) mass matrix and bias forces.
     mass, outside
         [kg]; (6,) known wrench on the base, base axes [N, N m].
-    stance, com, turn, feet, joints, frames, gaps
-        Fields of `Tasks`: (n,), (3,), (3,), (n, 6), (joints,), (n, 3, 3), (n,).
+    stance, com, turn, feet, joints, frames, gaps, forces
+        Fields of `Tasks`: (n,), (3,), (3,), (n, 6), (joints,), (n, 3, 3), (n,), (p, 3).
     """
+    _note(numbers, memory, mass, outside, stance, com, turn, feet, joints, frames, forces)
     # Tasks: ½ aᵀ H a - cᵀ a, set by the base and the joints, then added to by the feet in the air.
     nv, n, p = numbers[NV], numbers[FEET], numbers[POINTS]
     J, base = _matrix(numbers, memory, TWISTS, 6, nv), _matrix(numbers, memory, BASE, 3, 3)
@@ -284,7 +321,10 @@ def torques_of(
             total += gain[j, i] * ground[i]
         a[j] = total
     torques, command = np.empty(nv - 6), np.empty(nv - 6)
-    middle, half = span[0], span[1]
+    middle, half, kept = span[0], span[1], _matrix(numbers, memory, SPAN, 5, nv - 6)
+    for i in range(5):
+        for j in range(nv - 6):
+            kept[i, j] = span[i, j]
     light, heavy, most, finite = 0.0, 0.0, -math.inf, True
     for j in range(nv - 6):
         # the joints' rows of M a + h = S' tau + J' f

@@ -6,9 +6,18 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.arrays import BoolArray, FloatArray, finite_array, of_kind, real_number
 from surefoot.base.settings import Settings, setting
 from surefoot.contact import Status
+from surefoot.mechanics import Actuators
+from surefoot.motion.control.whole_body_outcome import (
+    BindingLimit,
+    StepNotes,
+    TaskOutcome,
+    binding_limits,
+    body_compromised,
+    task_outcomes,
+)
 
 
 @dataclass(frozen=True)
@@ -58,6 +67,28 @@ class TaskWeights(Settings):
         tuned="`surefoot bench ablation --vary TaskWeights.force --factor 20 "
         "--task fast --seeds 3`, 2026-11-25: as good from 0.005 to 0.1",
     )  # fmt: skip
+
+
+def check_parts(actuators: Actuators | None, weights: TaskWeights | None) -> None:
+    """Refuse what are no motors or weights; None is neither."""
+    if actuators is not None:
+        of_kind("actuators", actuators, Actuators)
+    if weights is not None:
+        of_kind("weights", weights, TaskWeights)
+
+
+def control_numbers(
+    mu: float, normals: tuple[float, float], rates: tuple[float, float], sole: tuple[float, float] | None
+) -> tuple[float, float, float, tuple[float, ...]]:
+    """Return what a whole-body controller is given, checked: friction, normal bounds, and the four rates.
+
+    The arguments are those of `WholeBodyController`; without rates of soles they have the contact's damping.
+    """
+    low, high = normals
+    low, high = real_number("normal_min", low, low=0.0), real_number("normal_max", high, low=0.0)
+    stiffness, damping = finite_array("baumgarte", rates, (2,)).tolist()
+    soles = [damping, damping] if sole is None else finite_array("sole_damping", sole, (2,)).tolist()
+    return real_number("mu", mu, low=0.0), low, high, (stiffness, damping, *soles)
 
 
 class Kinematics(NamedTuple):
@@ -139,7 +170,7 @@ class ForceLimits(NamedTuple):
 
 
 class WholeBodyCommand(NamedTuple):
-    """What whole-body control asks for.
+    """The command of one step of whole-body control, and what became of what was asked for.
 
     Attributes
     ----------
@@ -154,8 +185,11 @@ class WholeBodyCommand(NamedTuple):
         clipped, or the input was not finite and the command only damps the joints).
     violation
         Largest torque beyond its limit before clipping [N m].
-    status
-        How the force distribution ended.
+    distribution
+        How the force distribution ended; `status` says whether the tasks are met, too.
+    notes
+        Of the step, which `attained` and `binding` are worked out of when they are read; None for a command
+        that only damps the joints.
     """
 
     torques: FloatArray
@@ -163,4 +197,38 @@ class WholeBodyCommand(NamedTuple):
     forces: FloatArray
     feasible: bool
     violation: float
-    status: Status
+    distribution: Status
+    notes: StepNotes | None = None
+
+    @property
+    def attained(self) -> dict[str, TaskOutcome]:
+        """What was wanted and what is got of every task, by its name in `Tasks`; empty without `notes`.
+
+        "feet" counts as met by those in the air. What joints and forces miss is the price of the others, as
+        they weigh next to nothing.
+        """
+        return {} if self.notes is None else task_outcomes(self.notes, self.accelerations, self.forces)
+
+    @property
+    def binding(self) -> tuple[BindingLimit, ...]:
+        """The cones, bounds and joints' limits on which the command lies, by name; empty without `notes`."""
+        if self.notes is None:
+            return ()
+        return binding_limits(self.notes, self.torques, self.accelerations, self.forces)
+
+    @property
+    def status(self) -> Status:
+        """How the step ended.
+
+        INVALID for a state or task that nothing can be computed of, INFEASIBLE where torques had to be
+        clipped, COMPROMISED where all limits hold but the body does not accelerate as is wanted, or a foot in
+        the air not half as much (see `attained` and `binding`), else that of the force distribution.
+        """
+        if self.distribution is Status.INVALID or self.notes is None:
+            return Status.INVALID
+        if not self.feasible:
+            return Status.INFEASIBLE
+        found = self.distribution in (Status.SOLVED, Status.ALMOST)
+        if found and body_compromised(self.notes, self.attained):
+            return Status.COMPROMISED
+        return self.distribution

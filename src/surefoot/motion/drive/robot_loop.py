@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from surefoot.base.arrays import finite_array, of_kind, real_number
 from surefoot.base.errors import ProblemError, check_name
 from surefoot.base.loaded import SENSED
-from surefoot.base.memory import Remembering
+from surefoot.base.memory import Remade, Remembering
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Actuators, FlatTerrain, Robot, Terrain, actuators_of, with_rotors
 from surefoot.motion.control.controller import Command, JointTargets, RobotState
@@ -36,7 +36,7 @@ SLOW = 0.05
 """Speed of a body, as a share of sqrt(g h), at which one that was commanded to stop stands."""
 
 
-class RobotLoop(ResumableLoop):
+class RobotLoop(Remade, ResumableLoop):
     """Turns a robot's readings into its joints' targets; call `step` at a fixed rate, and `go` at any time.
 
     Limits of joints, speeds and torques are enforced last. Readings that are late, repeated, not finite, out
@@ -79,8 +79,7 @@ class RobotLoop(ResumableLoop):
     time
         Steps made times `dt` [s].
     command, estimate
-        What the balance controller asked for in the last step, and the estimated state that it was given.
-        Both are None in modes without.
+        What the balance controller asked for last, and the estimate that it was given; None in modes without.
     walker
         The balance controller, for what it notes.
 

@@ -24,7 +24,7 @@ from surefoot.base.numerics.points import contact_jacobian, point_velocity
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import FlatTerrain, Terrain
 from surefoot.motion.control.controller import Command, Controller, RobotState, Wrapper
-from surefoot.motion.control.damping import computable
+from surefoot.motion.control.damping import computable_pose
 from surefoot.motion.control.whole_body import Tasks, WholeBodyController
 from surefoot.motion.control.whole_body_kernels import place_points
 
@@ -86,7 +86,7 @@ class Guard(Wrapper):
         """Return the controller's command, or the nearest one whose contact forces are lawful."""
         command, joints = self.controller.step(state), self.robot.joints
         self.steps += 1
-        if state.contact is None or not computable(state.q, state.v):
+        if state.contact is None or not computable_pose(state.q, state.v):
             return command
         torques, limits = command.torques, self.robot.effort_limits
         if command.joint_targets is not None:
@@ -99,7 +99,7 @@ class Guard(Wrapper):
         return type(command)(
             **{
                 **vars(command), "torques": answer.torques, "forces": answer.forces, "joint_targets": None,
-                "attained": answer.feasible, "status": answer.status,
+                "attained": answer.feasible, "status": answer.distribution,
             }
         )  # fmt: skip
 

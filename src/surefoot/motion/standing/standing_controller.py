@@ -16,12 +16,13 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray, of_kind
 from surefoot.base.errors import ProblemError
+from surefoot.base.memory import Remade
 from surefoot.base.numerics.points import contact_jacobian
 from surefoot.base.spatial import GRAVITY
 from surefoot.contact import Status
 from surefoot.mechanics import ExactAllocation, Robot, Terrain, composite_inertia
 from surefoot.motion.control.controller import Command, Controller, RobotState
-from surefoot.motion.control.damping import computable, damping_torques
+from surefoot.motion.control.damping import FALLEN, computable_pose, damping_torques
 from surefoot.motion.control.model_views import ModelViews
 from surefoot.motion.standing.stand_state import StandState
 from surefoot.motion.standing.standing_kernels import (
@@ -77,7 +78,7 @@ class StandCommand(Command):
         }
 
 
-class StandingController(Controller):
+class StandingController(Remade, Controller):
     """Holds a robot up on its feet; call `step` at a fixed rate.
 
     Parameters
@@ -209,7 +210,7 @@ class StandingController(Controller):
         that slows the joints, with no forces and the status INVALID; it changes nothing else.
         """
         q, v = state.q, state.v
-        if not computable(q, v):
+        if not computable_pose(q, v):
             return self._blind(v)
         s, target = self._stand, self.plan.at(state.time)
         points = self._kinematics(q, v)
@@ -292,6 +293,9 @@ class StandingController(Controller):
         return bounds
 
     def _attained(self, error: FloatArray) -> bool:
+        """Return whether the forces give the wanted wrench, on a robot that is over its feet."""
+        if self._views.rotation[2, 2] < FALLEN:
+            return False
         x, y, z, a, b, c = error.tolist()
         return max(math.hypot(x, y, z), math.hypot(a, b, c) / self._height) <= self._tolerance
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from surefoot.base.arrays import FloatArray
+from surefoot.base.arrays import FloatArray, of_kind
 from surefoot.base.errors import ProblemError, unknown_name
 from surefoot.base.spatial import GRAVITY
 from surefoot.motion.gaits.adaptive_gait import AdaptiveGait, Pace, Stride
@@ -71,6 +71,7 @@ def choose_gait(body: LeggedBody, command: VelocityCommand, gait: str | ContactS
         For an unknown name.
     """
     if not isinstance(gait, str):
+        of_kind("gait", gait, ContactSchedule)
         return _fixed(body, command, gait)
     feet = len(body.robot.feet)
     places = body.robot.foot_positions(body.robot.nominal)[:, :2]

@@ -17,7 +17,7 @@ from surefoot.base.errors import ProblemError
 from surefoot.base.memory import Memory, Remembering
 from surefoot.mechanics import Robot
 from surefoot.motion.control.controller import Controller, RobotState
-from surefoot.motion.control.damping import computable
+from surefoot.motion.control.damping import FALLEN, computable_pose
 from surefoot.motion.control.whole_body import ForceLimits, WholeBodyCommand, WholeBodyController
 from surefoot.motion.control.whole_body_tasks import Kinematics, Tasks
 from surefoot.motion.walking.behaviours.arbiter import Arbiter
@@ -71,7 +71,7 @@ class Tick(Controller):
         """
         self.plan_ahead()  # if nobody has
         measured = state
-        if not computable(measured.q, measured.v):
+        if not computable_pose(measured.q, measured.v):
             return self._damped(measured.v)
         # sense: what the robot carries, where it is, which feet stand
         self._observe_load(measured)
@@ -103,7 +103,7 @@ class Tick(Controller):
         if self.load is not None:
             self.load.acted(measured.time, body.torques, s.feet.stance)
         self._walk = s
-        return self._commanded(body, s)
+        return self._commanded(body, s, holds_up(measured, now, s.feet))
 
     def plan_ahead(self) -> None:
         """Make the plan that the last step has left to this; see `answers_first`."""
@@ -236,5 +236,17 @@ class Tick(Controller):
         """Return the command for a state that is not finite, whose joints move with (nv,) v."""
 
     @abstractmethod
-    def _commanded(self, body: WholeBodyCommand, s: WalkState) -> WalkCommand:
-        """Return the command that says what the parts have decided."""
+    def _commanded(self, body: WholeBodyCommand, s: WalkState, possible: bool) -> WalkCommand:
+        """Return the command that says what the parts have decided; `possible` as of `holds_up`."""
+
+
+def holds_up(measured: RobotState, now: Kinematics, feet: Feet) -> bool:
+    """Return whether a robot stands over its feet, so that what a walk wants of it can be had at all.
+
+    Not if it has fallen over (as runs count it, 60 degrees from upright), nor while no foot touches though
+    the gait wants one on the ground: forces in cones then say nothing of it.
+    """
+    if now.rotation[2, 2] < FALLEN:
+        return False
+    touches = feet.stance if measured.contact is None else measured.contact
+    return bool(touches.any() or not feet.planned.any())

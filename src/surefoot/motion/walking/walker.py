@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.base.arrays import FloatArray, finite_array
+from surefoot.base.arrays import FloatArray, finite_array, of_kind
 from surefoot.base.spatial import GRAVITY, heading_of
 from surefoot.mechanics import Robot, Terrain
 from surefoot.motion.control.controller import RobotState
@@ -33,6 +33,15 @@ from surefoot.records import CHANNELS, Channel
 IMAGINED, THROWN_FOR, THROWN = 0.005, 0.1, 1.5
 """Steps of most of the walk that warms up, its last part in which the body is thrown [s], and how fast, every
 degree of freedom [m/s, rad/s]: fast enough that torques meet their limits."""
+
+
+def check_walk(command: Any, terrain: Any, settings: Any, kind: type) -> None:
+    """Refuse what is no command, terrain or settings of a kind; the last two may be None."""
+    of_kind("command", command, VelocityCommand)
+    if terrain is not None:
+        of_kind("terrain", terrain, Terrain)
+    if settings is not None:
+        of_kind("settings", settings, kind)
 
 
 class Walker(Tick):
@@ -190,23 +199,24 @@ class Walker(Tick):
         """What is said of the load."""
         return {} if self.load is None else self.load.rows
 
-    def _commanded(self, body: WholeBodyCommand, s: WalkState) -> WalkCommand:
+    def _commanded(self, body: WholeBodyCommand, s: WalkState, possible: bool) -> WalkCommand:
         """Return the command that says what the parts have decided."""
         feet = s.feet
         return WalkCommand(
-            body.torques, body.forces, feet.stance[self.whole_body.point_foot], body.feasible, body.status,
-            body.accelerations, planned=feet.planned, frames=feet.frames, wanted=s.body.base_velocity,
-            targets=feet.target, load=self._load_rows, asked_by=self.arbiter.asked_by,
+            body.torques, body.forces, feet.stance[self.whole_body.point_foot], body.feasible and possible,
+            body.distribution, body.accelerations, planned=feet.planned, frames=feet.frames,
+            wanted=s.body.base_velocity, targets=feet.target, load=self._load_rows,
+            asked_by=self.arbiter.asked_by,
         )  # fmt: skip
 
     def _damped(self, v: FloatArray) -> WalkCommand:
         """Return the command for a state that is not finite, whose joints move with (nv,) v."""
         body = self.whole_body.damping(v)
         if self._walk is not None:
-            return replace(self._commanded(body, self._walk), accelerations=None)
+            return replace(self._commanded(body, self._walk, False), accelerations=None)
         n = len(self.robot.feet)
         return WalkCommand(
-            body.torques, body.forces, np.ones(len(body.forces), dtype=bool), False, body.status,
+            body.torques, body.forces, np.ones(len(body.forces), dtype=bool), False, body.distribution,
             planned=np.ones(n, dtype=bool), frames=np.tile(np.eye(3), (n, 1, 1)), wanted=np.zeros(3),
             targets=np.zeros((n, 3)),
             load=self._load_rows,

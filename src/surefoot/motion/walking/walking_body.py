@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from surefoot.base.arrays import FloatArray, finite_array
+from surefoot.base.arrays import FloatArray, finite_array, real_number
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY, rotation_about
 from surefoot.base.text_files import read_text
@@ -51,14 +51,15 @@ class VelocityCommand:
 
     def __post_init__(self) -> None:
         times = finite_array("command times", self.times, (None,))
-        finite_array("command values", self.values, (len(times), 3))
+        values = finite_array("command values", self.values, (len(times), 3))
         postures = np.zeros((len(times), 3)) if self.postures is None else self.postures
         postures = finite_array("command postures", postures, (len(times), 3))
         if (np.abs(postures[:, 1]) > BODY_MOTION.steepest_pitch).any():
             raise ProblemError(
                 f"pitch must be within ±{BODY_MOTION.steepest_pitch:g} rad, got {postures[:, 1]}"
             )
-        object.__setattr__(self, "postures", postures)
+        for name, array in (("times", times), ("values", values), ("postures", postures)):
+            object.__setattr__(self, name, array)
         if len(times) == 0 or times[0] != 0.0 or (np.diff(times) <= 0.0).any():
             raise ProblemError(f"command times must rise from 0, got {times.tolist()}")
 
@@ -72,9 +73,19 @@ class VelocityCommand:
         pitch: float = 0.0,
         clearance: float = 0.0,
     ) -> VelocityCommand:
-        """Return the command that never changes: forward, left [m/s], turn [rad/s]; see `postures`."""
-        velocity, posture = np.array([[forward, left, turn]]), np.array([[height, pitch, clearance]])
-        return VelocityCommand(np.zeros(1), velocity.astype(np.float64), posture.astype(np.float64))
+        """Return the command that never changes: forward, left [m/s], turn [rad/s]; see `postures`.
+
+        Raises
+        ------
+        ProblemError
+            For what is not a finite number each.
+        """
+        given = {
+            "forward": forward, "left": left, "turn": turn, "height": height, "pitch": pitch,
+            "clearance": clearance,
+        }  # fmt: skip
+        numbers = np.array([real_number(name, value) for name, value in given.items()])
+        return VelocityCommand(np.zeros(1), numbers[None, :3], numbers[None, 3:])
 
     @staticmethod
     def read(path: Path) -> VelocityCommand:

@@ -39,7 +39,7 @@ from surefoot.motion.walking.stair_phase import StepPhase
 from surefoot.motion.walking.touchdown_detection import TouchMemory, TouchSense
 from surefoot.motion.walking.walk_state import BipedState, GaitState, PlanTimes, StepInput, WalkState
 from surefoot.motion.walking.walkable import check_point_feet
-from surefoot.motion.walking.walker import Walker
+from surefoot.motion.walking.walker import Walker, check_walk
 from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand, first_stance, granted_share
 from surefoot.motion.walking.walking_feet import Feet, FeetModel, SwingRequest
 from surefoot.motion.walking.walking_kernels import follow
@@ -90,6 +90,7 @@ class WalkingController(Walker):
         dt: float = 1e-3,
     ) -> None:
         of_kind("robot", robot, Robot)
+        check_walk(command, terrain, settings, WalkSettings)
         check_point_feet(robot)
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
         self.settings = s = settings or WalkSettings()

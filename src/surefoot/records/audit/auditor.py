@@ -19,13 +19,23 @@ from surefoot.records.audit.friction import FrictionCount
 from surefoot.records.audit.intervals import Interval, Track
 from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.audit.log_context import Setting, setting_of
-from surefoot.records.audit.report import AuditReport, FrictionInterval, Judgement, LawBroken, Violation
+from surefoot.records.audit.model_changes import masses_changed
+from surefoot.records.audit.report import (
+    MASSES,
+    TOPICS,
+    AuditReport,
+    FrictionInterval,
+    Judgement,
+    LawBroken,
+    Violation,
+)
 from surefoot.records.audit.resets import join_episodes
 from surefoot.records.audit.rows import Rows, lacking, pieces
 from surefoot.records.audit.slides import WORST, slide_on, slide_rules, start_slides
 from surefoot.records.audit.story.story import story_of
 from surefoot.records.audit.summary.motor_summary import limits_broken, motor_use
 from surefoot.records.log import Log
+from surefoot.records.log.plausibility import load_doubts
 from surefoot.records.log.reading import read_log
 
 FINITE, CLOCK = "finite", "clock"
@@ -133,7 +143,7 @@ def _coverage(log: Log, setting: Setting) -> dict[str, str]:
         if not setting.names:  # what never touches anything is judged by its momentum
             free = "momentum_rate" in log and not missing
             why = "" if check.name == "balance" and free else "the log has no contacts"
-        if not why and check.name in OF_ONE_MASS and "mass" in log.facts.get("change_kind", ()):
+        if not why and check.name in OF_ONE_MASS and masses_changed(log):
             why = "the loop changed masses of its model"
         if not why and check.name in FROM_ROW_TO_ROW:
             why = setting.missing_rows
@@ -216,12 +226,15 @@ def _report(
     symptoms = tuple(diagnose(log, setting, physical)) if physical else ()
     intervals = friction.intervals()
     task, task_reason = judge_task(log, setting.limits)
+    blind = all(coverage[law] for law in TOPICS[MASSES])
+    doubt = next(load_doubts(log), "") if blind and setting.names else ""
+    told = [f"doubt: {doubt}"] if doubt and doubt not in log.doubts else []
     return AuditReport(
         verdict, violations, more, symptoms, coverage, intervals,
-        (*setting.doubts, *setting.notes, *_changes(intervals)), len(log), float(time[0]), float(time[-1]),
-        setting.names, setting.weight, reason, task, task_reason, tuple(judge_command(log, setting)),
-        setting.limits, story_of(log, setting, symptoms, task_reason), log,
-        tuple(limits_broken(log, motor_use(log, setting.limits)) or ()),
+        (*setting.doubts, *told, *setting.notes, *_changes(intervals)), len(log), float(time[0]),
+        float(time[-1]), setting.names, setting.weight, reason, task, task_reason,
+        tuple(judge_command(log, setting)), setting.limits, story_of(log, setting, symptoms, task_reason),
+        log, tuple(limits_broken(log, motor_use(log, setting.limits)) or ()), load_doubt=doubt,
     )  # fmt: skip
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from surefoot.base.arrays import BoolArray, IntArray
 from surefoot.base.errors import SurefootError
 from surefoot.mechanics import Robot
+from surefoot.records.audit.model_changes import masses_changed
 from surefoot.records.log import Log
 
 
@@ -121,7 +122,7 @@ def from_recording(log: Log, owner: IntArray) -> LoggedRobot | str:
     lacking = [name for name in NEEDED if name not in log.facts]
     if lacking:
         return f"the log does not keep its model ({lacking[0]})"
-    if "mass" in log.facts.get("change_kind", ()):
+    if masses_changed(log):
         return "the loop changed masses of its model"
     kinds = [str(kind) for kind in log.fact("model_joint_kinds")]
     if kinds[:1] != ["free"] or not set(kinds[1:]) <= {"hinge", "slide"}:

@@ -17,6 +17,14 @@ Judgement: TypeAlias = Literal["lawful", "broken", "cannot tell"]
 Task: TypeAlias = Literal["attained", "failed", "unknown"]
 """The run did what it was for; it did not; the log does not say."""
 
+MASSES = "masses and outside forces"
+TOPICS = {
+    MASSES: ("motion", "balance", "acceleration"),
+    "slides": ("work", "dissipation"),
+    "rebounds": ("restitution", "flight"),
+}
+"""What a verdict names where none of its laws could be judged."""
+
 
 class LawBroken(SurefootError, AssertionError):
     """Raised by `assert_lawful`; carries the report.
@@ -176,6 +184,8 @@ class AuditReport:
         touched, as `surefoot.summarise_walk` has them. No law of contact is broken by it.
     episodes
         A report of each episode, where the state was reset in between; empty where it never was.
+    load_doubt
+        What is odd about the mean load, where no law judges masses; empty for nothing.
     """
 
     verdict: Judgement
@@ -199,6 +209,7 @@ class AuditReport:
     log: Log | None = field(default=None, repr=False, compare=False)
     limits_broken: tuple[str, ...] = ()
     episodes: tuple[AuditReport, ...] = ()
+    load_doubt: str = ""
 
     def __str__(self) -> str:
         physics = self._physics
@@ -224,6 +235,12 @@ class AuditReport:
     def judged(self) -> tuple[str, ...]:
         """Names of the laws that could be judged."""
         return tuple(name for name, why in self.coverage.items() if not why)
+
+    @property
+    def not_judged(self) -> tuple[str, ...]:
+        """What of a motion no law looked at, in words: "masses and outside forces", "slides", "rebounds"."""
+        unknown = {topic for topic, laws in TOPICS.items() if all(self.coverage.get(law) for law in laws)}
+        return tuple(topic for topic in TOPICS if topic in unknown)
 
     @property
     def sentence(self) -> str:
@@ -261,7 +278,13 @@ class AuditReport:
         span = f"{self.rows} rows, {self.end - self.start:.3g} s"
         if self.verdict == "lawful":
             known = "" if not self.symptoms else f", but look at: {self.symptoms[0]}"
-            return f"lawful: all {len(self.judged)} laws that could be judged hold ({span}){known}"
+            if MASSES in self.not_judged:
+                doubt = f"; {self.load_doubt}" if self.load_doubt else ""
+                rest = "".join(f", nor were {topic}" for topic in self.not_judged if topic != MASSES)
+                held = f"lawful: friction, gap and sign hold; {MASSES} were not judged{rest}"
+                return f"{held} ({span}){doubt}{known}"
+            rest = "".join(f"; {topic} were not judged" for topic in self.not_judged)
+            return f"lawful: all {len(self.judged)} laws that could be judged hold ({span}){rest}{known}"
         if self.verdict == "cannot tell":
             return f"cannot tell whether it is lawful ({span}): {self.reason}"
         count = len(self.violations) + sum(self.more.values())

@@ -52,7 +52,9 @@ def join_episodes(log: Log, reports: Sequence[AuditReport]) -> AuditReport:
         worst.limits,
         worst.story,
         log,
+        tuple(dict.fromkeys(line for one in reports for line in one.limits_broken)),
         tuple(reports),
+        next((one.load_doubt for one in reports if one.load_doubt), ""),
     )
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import of_kind
-from surefoot.base.errors import ProblemError, check_name
+from surefoot.base.errors import ProblemError, check_name, shown
 from surefoot.base.text_files import path_of
 from surefoot.records.log.channels import CHANNELS, Channel, check_shapes
 from surefoot.records.log.facts import FACTS, facts_of_rows, facts_of_selection
@@ -97,6 +97,8 @@ class Log:
         ProblemError
             If the log does not tell it, or tells something else.
         """
+        if not isinstance(name, str):
+            raise ProblemError(f"a fact is asked for by its name, got {shown(name)}")
         known = FACTS.get(name)
         if name not in self.facts:
             meaning = "" if known is None else f" ({known.meaning})"
@@ -123,8 +125,18 @@ class Log:
         )  # fmt: skip
 
     def rows(self, which: Any) -> Log:
-        """Return the log of some rows: a slice or a (T,) mask."""
-        arrays = {name: array[which] for name, array in self.arrays.items()}
+        """Return the log of some rows: a slice, a (T,) mask or (k,) places.
+
+        Raises
+        ------
+        ProblemError
+            For what picks no rows.
+        """
+        try:
+            arrays = {name: array[which] for name, array in self.arrays.items()}
+        except (IndexError, TypeError, ValueError) as error:
+            wanted = f"a slice, a ({len(self)},) mask or whole numbers from 0 to {len(self) - 1}"
+            raise ProblemError(f"rows must be {wanted}, got {shown(which)}") from error
         facts = self.facts
         if "episode_rows" in facts:
             facts = facts_of_selection(facts, np.arange(len(self))[which])

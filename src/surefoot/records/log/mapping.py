@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
+from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
+import numpy as np
+
 from surefoot.base.arrays import real_number
-from surefoot.base.errors import ProblemError, check_name, located, unknown_name
+from surefoot.base.errors import ProblemError, check_name, located, shown, unknown_name
 from surefoot.base.text_files import parse_yaml, read_yaml
 from surefoot.records.log.channels import CHANNELS, Channel
 
@@ -152,9 +155,14 @@ class LogMapping:
             raise ProblemError(
                 f"the time is told twice, by {field_of_time!r} and by a rate of {self.rate:g} Hz"
             )
+        facts = {str(name): _plain(f"the fact {name}", value) for name, value in self.facts.items()}
+        object.__setattr__(self, "facts", facts)
         known = {**CHANNELS, **self.define}
         for name, take in self.channels.items():
             check_name("channel", name, known)
+            for what, said in (("order of a quaternion", take.quaternion), ("frame", take.frame)):
+                if not isinstance(said, str):
+                    raise ProblemError(f"the {what} of {name} must be a text, got {shown(said)}")
             if take.quaternion and take.quaternion not in QUATERNIONS:
                 raise ProblemError(unknown_name("order of a quaternion", take.quaternion, QUATERNIONS))
             if take.frame and take.frame not in FRAMES:
@@ -172,6 +180,19 @@ class LogMapping:
             out["time"] = {"rate": self.rate}
         out["channels"] = {name: _take_to(take) for name, take in self.channels.items()}
         return yaml.safe_dump(out, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True)
+
+
+def _plain(name: str, value: Any) -> Any:
+    """Return a value as what a file can hold: NumPy's numbers and arrays become Python's own."""
+    if isinstance(value, np.generic | np.ndarray):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {str(key): _plain(name, part) for key, part in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(name, part) for part in value]
+    if value is None or isinstance(value, (bool, int, float, str, date)):
+        return value
+    raise ProblemError(f"{name} must be numbers or texts, got {shown(value)}")
 
 
 def _take_to(take: Take) -> Any:
@@ -249,6 +270,7 @@ def _take_from(said: TakeKeys) -> Take:
 
 def name_list(name: str, key: str, value: Any) -> tuple[str, ...]:
     """Return the names in a value, of which a text is one; errors call it the `key` of `name`."""
+    value = value.tolist() if isinstance(value, np.generic | np.ndarray) else value
     listed = [value] if isinstance(value, str) else value
     if not isinstance(listed, (list, tuple)) or not all(isinstance(v, str) and v for v in listed):
         raise ProblemError(f"{name}: {key} must be a name or a list of names, got {value!r:.80}")

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from surefoot.base.arrays import FloatArray, IntArray, finite_array, real_number, whole_number
 from surefoot.base.errors import SimulationError
 from surefoot.base.kernels import VECTOR, entry_point
+from surefoot.base.memory import Remade
 from surefoot.base.numerics.vectors import finite_vector, largest
 from surefoot.base.spatial import base_velocity, quaternion_wxyz
 from surefoot.mechanics import Actuators, Geometry, Robot, Terrain
@@ -44,7 +45,7 @@ HEAVIEST = 1e9
 """Largest payload [kg]: MuJoCo's numbers end at 1e10."""
 
 
-class MujocoWorld:
+class MujocoWorld(Remade):
     """A robot on a terrain in MuJoCo; see `surefoot.worlds.interface.world.World` for the methods.
 
     Parameters
@@ -201,6 +202,19 @@ class MujocoWorld:
         """
         self._whole = resume_mujoco(self, state)
         self.applied = state.applied.copy()
+
+    def _lasting(self) -> tuple[WorldState, int, bool]:
+        """See `Remade`: the state, and what was asked of the steps."""
+        return self.state, self.substeps, self._advance.func is step_with_centripetal
+
+    def _go_on(self, lasting: tuple[WorldState, int, bool]) -> None:
+        """See `Remade`."""
+        state, substeps, centripetal = lasting
+        if substeps != 1:
+            self.divide(substeps)
+        if centripetal:
+            self.count_centripetal()
+        self.resume(state)
 
     def q_v(self) -> tuple[FloatArray, FloatArray]:
         """Return q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""

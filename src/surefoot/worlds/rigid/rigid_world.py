@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, finite_array, of_kind, real_number
 from surefoot.base.errors import ProblemError, check_name
+from surefoot.base.memory import Remade
 from surefoot.base.numerics.vectors import finite_vector
 from surefoot.contact import ContactSolution, stopping_depth
 from surefoot.mechanics import (
@@ -85,7 +86,7 @@ def chosen_geometry(robot: Robot, collision: str | Geometry) -> Geometry | None:
     return COLLISIONS[collision](robot)
 
 
-class RigidWorld:
+class RigidWorld(Remade):
     """A robot or a simple body on a terrain; see `surefoot.worlds.interface.world.World` for the methods.
 
     Parameters
@@ -173,8 +174,7 @@ class RigidWorld:
         recorder = RECORDER.get()
         parts = robot, terrain, options, payload, collision, payload_position
         known = None if recorder is None else recorder.find_stepper(*parts)
-        # While a gradient is taken, rollouts after the first one take its stepper, and the states that it
-        # came to: see `RolloutRecorder`.
+        # while a gradient is taken, later rollouts take its stepper and its states: see `RolloutRecorder`
         self.stepper = known or Stepper(
             robot, terrain, options, payload, chosen_geometry(robot, collision), payload_position
         )

@@ -113,6 +113,10 @@ def load(grasp_map: FloatArray, work: FloatArray, contacts: int) -> tuple[float,
         if work[k, HIGH] <= 0.0:
             for i in range(18):
                 work[k, BLOCK + i] = 0.0
+            # a column that nothing is multiplied by may still be what a broken sensor left
+            for i in range(6):
+                for j in range(3):
+                    check += grasp_map[i, 3 * k + j] * 0.0
             continue
         for i in range(6):
             root = work[roots, ROOT + i]

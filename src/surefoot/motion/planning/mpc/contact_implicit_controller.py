@@ -26,7 +26,7 @@ from surefoot.base.spatial import heading_of, quaternion_about
 from surefoot.contact import Status
 from surefoot.mechanics import FlatTerrain, Robot, Terrain, place
 from surefoot.motion.control.controller import Command, Controller, RobotState
-from surefoot.motion.control.damping import computable, damping_torques
+from surefoot.motion.control.damping import computable_pose, damping_torques
 from surefoot.motion.planning.mpc.cost import WalkWeights, walking_costs
 from surefoot.motion.planning.mpc.receding import move_on, torques_between
 from surefoot.motion.planning.shooting.horizon import FeedbackPolicy
@@ -214,7 +214,7 @@ class ContactImplicitMpc(Controller):
         is not finite, or too large to compute with, gets a command that slows the joints, and changes
         nothing else.
         """
-        if not (computable(state.q, state.v) and 0.5 < np.linalg.norm(state.q[3:7]) < 2.0):
+        if not computable_pose(state.q, state.v):
             return self._blind(state.v)
         tick = 0.0
         if state.time - self.planned_at >= self.settings.interval - 0.5 * self.dt:

@@ -15,7 +15,7 @@ import numpy as np
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.mechanics import Robot
 from surefoot.motion.control.controller import Controller, RobotState
-from surefoot.motion.control.damping import computable
+from surefoot.motion.control.damping import computable_pose
 from surefoot.motion.planning.stand_up.lying import upright
 from surefoot.motion.planning.stand_up.posture_sequence import Postures
 from surefoot.motion.planning.tracking.landing import Landing
@@ -70,7 +70,7 @@ class StandUpController(Controller):
     def step(self, state: RobotState) -> TrackCommand:
         """Return the command for a state; never raises on one that is not finite."""
         off = np.zeros(len(self.robot.feet), dtype=bool)
-        if not computable(state.q, state.v):
+        if not computable_pose(state.q, state.v):
             return self._make_command(self.whole_body.damping(state.v).torques, off)
         if self._since is None:
             self._begin(StandUpPhase.ROLLING, state)
@@ -82,7 +82,7 @@ class StandUpController(Controller):
             body = self.whole_body.solve(self.landing.tasks(now, sensed))
             active = sensed[self.whole_body.point_foot]
             return TrackCommand(
-                body.torques, body.forces, active, body.feasible, body.status, phase=self.phase
+                body.torques, body.forces, active, body.feasible, body.distribution, phase=self.phase
             )
         target = self._target(state.time - self._since)
         return self._make_command(self.law.torques(target, state.q[7:], state.v[6:]), off)

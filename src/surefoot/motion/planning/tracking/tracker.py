@@ -20,7 +20,7 @@ from surefoot.base.loaded import UNLOADED
 from surefoot.base.spatial import GRAVITY, rotation_log
 from surefoot.mechanics import Robot, motor_limits
 from surefoot.motion.control.controller import Command, Controller, RobotState
-from surefoot.motion.control.damping import computable
+from surefoot.motion.control.damping import computable_pose
 from surefoot.motion.control.whole_body import Kinematics, Tasks, TaskWeights, WholeBodyController
 from surefoot.motion.planning.schedule.motions import time_scale
 from surefoot.motion.planning.tracking.landing import Landing, gaps_to_close, gently, lowering_accelerations
@@ -123,7 +123,7 @@ class TrackingController(Controller):
 
         Never raises on a hard instance; a state that is not finite gets a command that slows the joints.
         """
-        if not computable(state.q, state.v):
+        if not computable_pose(state.q, state.v):
             return self._make_command(self.whole_body.damping(state.v), self._off)
         now = self.whole_body.update(state.q, state.v)
         if self._reference is None:
@@ -275,4 +275,6 @@ class TrackingController(Controller):
 
     def _make_command(self, body: Any, stance: BoolArray) -> TrackCommand:
         active = stance[self.whole_body.point_foot]
-        return TrackCommand(body.torques, body.forces, active, body.feasible, body.status, phase=self.phase)
+        return TrackCommand(
+            body.torques, body.forces, active, body.feasible, body.distribution, phase=self.phase
+        )

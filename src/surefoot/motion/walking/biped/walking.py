@@ -14,7 +14,7 @@ from functools import partial
 
 import numpy as np
 
-from surefoot.base.arrays import real_number
+from surefoot.base.arrays import of_kind, real_number
 from surefoot.base.errors import ModelError, ProblemError
 from surefoot.base.memory import Remembering
 from surefoot.base.spatial import GRAVITY, rotation_exp, rotation_log
@@ -47,7 +47,7 @@ from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.load_adaptation import LoadAdaptation
 from surefoot.motion.walking.walk_state import BipedState, GaitState, PlanTimes, StepInput, WalkState
 from surefoot.motion.walking.walkable import check_soles
-from surefoot.motion.walking.walker import Walker
+from surefoot.motion.walking.walker import Walker, check_walk
 from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand, granted_share, limit_command
 from surefoot.motion.walking.walking_feet import Feet, SwingRequest
 from surefoot.motion.walking.walking_kernels import follow, slope_frames
@@ -104,6 +104,8 @@ class BipedController(Walker):
         settings: BipedSettings | None = None,
         dt: float = 1e-3,
     ) -> None:
+        of_kind("robot", robot, Robot)
+        check_walk(command, terrain, settings, BipedSettings)
         check_soles(robot)
         if (share := leg_share(robot)) > BIPED_WALK.heavy_legs:
             raise ModelError(
@@ -116,6 +118,7 @@ class BipedController(Walker):
         self._measure()
         if isinstance(gait, str):
             gait = named_gait(gait, 2, period=BIPED_WALK.period * math.sqrt(self.height / GRAVITY))
+        of_kind("gait", gait, ContactSchedule)
         if gait.feet != 2:
             raise ProblemError(f"the gait is for {gait.feet} feet, {robot.name} has 2")
         self.schedule = gait

@@ -10,6 +10,7 @@ from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.numerics.phases import runs_of
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import frames_on
+from surefoot.records.audit.model_changes import logged_changes
 from surefoot.records.audit.rows import sliding_mean, sliding_sum
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
@@ -18,11 +19,9 @@ from surefoot.records.audit.symptoms.fits import rotation_between
 
 def model_changes(s: Signals, kind: str) -> Iterator[tuple[float, str, float]]:
     """Yield when, whose and by which factor the loop changed numbers of one kind in its model."""
-    facts = s.log.facts
-    rows = (facts.get(name, ()) for name in ("change_time", "change_kind", "change_name", "change_factor"))
-    for time, what, name, factor in zip(*rows, strict=True):
+    for time, what, name, factor in logged_changes(s.log):
         if what == kind:
-            yield float(time), str(name), float(factor)
+            yield time, name, factor
 
 
 def push(s: Signals) -> Iterator[Sign]:
