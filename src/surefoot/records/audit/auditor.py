@@ -95,7 +95,7 @@ def audit_log(log: Log | Path | str, robot: Robot | None = None, limits: AuditLi
     join = max(1, round(limits.records.join / setting.dt)) if setting.dt > 0.0 else 1
     tracks = {name: Track(name, join) for name in (*_FAULTS, *(check.name for check in used))}
     friction, slides = FrictionCount(setting), start_slides(len(setting.names), limits.laws)
-    last, unsure = -np.inf, 0.0
+    last, unsure = -np.inf, np.zeros(len(setting.names))
     for rows in pieces(log, setting):
         last = _faults(rows, tracks, last)
         if setting.names or used:
@@ -105,7 +105,11 @@ def audit_log(log: Log | Path | str, robot: Robot | None = None, limits: AuditLi
                     friction.add(rows)
                 if "dissipation" in tracks:
                     _slide(rows, slides)
-                    unsure = max(unsure, longest_unsure_way(rows))
+                    # of means a whole stance is open, else no more than a window of it
+                    way = rows.unsure_way[rows.core].sum(axis=0)
+                    unsure = (
+                        unsure + way if setting.after is None else np.fmax(unsure, longest_unsure_way(rows))
+                    )
     if "dissipation" in tracks:
         _slow_slides(slides, tracks["dissipation"], setting.slide_limit + unsure, len(log))
     return _report(log, setting, coverage, tracks, friction)
@@ -191,10 +195,11 @@ def _slide(rows: Rows, state: FloatArray) -> None:
     slide_on(state, f, v, mu, rows.dt[core][keep], setting.threshold, setting.weight, *rules)
 
 
-def _slow_slides(state: FloatArray, track: Track, limit: float, rows: int) -> None:
+def _slow_slides(state: FloatArray, track: Track, limits: FloatArray, rows: int) -> None:
     """Track the contacts that slid too far without friction, too slowly for a window to show."""
     seen = {i.column for i in track.kept}
-    for column, way in enumerate(state[:, WORST].tolist()):
+    ways = zip(state[:, WORST].tolist(), limits.tolist(), strict=True)
+    for column, (way, limit) in enumerate(ways):
         if way > limit and column not in seen:
             track.kept.append(Interval(track.check, column, 0, rows - 1, way, limit, rows))
 

@@ -54,6 +54,8 @@ def gap_rate(rows: Rows) -> Measured:
         value[:, [not rows.setting.single(k) for k in range(rows.points)]] = 0.0
     step = np.abs(up) * rows.dt[:, None]
     touched = sliding_sum(np.where(edges(rows), _highest(step, 1), 0.0), w)
+    if rows.setting.after is None:  # a mean of stages is that of no instant
+        touched += sliding_sum(np.abs(np.diff(up, axis=0, append=up[-1:])) * rows.dt[:, None], w)
     return over(value, limits.gap + _highest(step, w) + touched + limits.drift * sliding_sum(step, w))
 
 
