@@ -278,7 +278,7 @@ def test_what_changes_in_a_part_is_named_in_its_memory(knowledge: str) -> None:
         assert not unknown, f"{path}: {unknown}"
 
 
-DERIVED = {"notes", "behaviours", "_problem", "_seen", "_moved"}
+DERIVED = {"notes", "behaviours", "_problem", "_seen", "_moved", "_noted"}
 """Notes and behaviours, which the arbiter looks after itself, and views of `WholeBodyController._memory`."""
 PLAIN = (int, float, str, bytes, tuple, list, dict, set, deque, np.ndarray, type(None))
 

@@ -22,6 +22,10 @@ LEAST_EXPLAINED = 0.3
 """Share of the shape's area that a reading must explain; less is a guess."""
 
 
+class FootGuess(ModelError):
+    """A foot whose shape says too little of where it stands."""
+
+
 @dataclass(frozen=True, eq=False)
 class FootSource:
     """A robot's files, as far as feet are read from them.
@@ -102,7 +106,7 @@ def _foot(source: FootSource, name: str, data: Any) -> Foot:
     without = f"; without {_mesh_names(lost)}, which is not there" if lost else ""
     why = f"{name}: {shape.words}{whose} ({100.0 * share:.0f} % of its area){without}{beyond}"
     if share < LEAST_EXPLAINED:
-        raise ModelError(
+        raise FootGuess(
             f"the foot {name} would be a guess: {shape.words}{whose} explains {100.0 * share:.0f} % of the "
             f"shape's area, less than {100.0 * LEAST_EXPLAINED:.0f} %{beyond}. Give it spheres or a box "
             "where it touches the ground"

@@ -103,7 +103,7 @@ class Tick(Controller):
         if self.load is not None:
             self.load.acted(measured.time, body.torques, s.feet.stance)
         self._walk = s
-        return self._commanded(body, s, holds_up(measured, now, s.feet))
+        return self._commanded(body, s, holds_up(measured, now, s.feet, begins))
 
     def plan_ahead(self) -> None:
         """Make the plan that the last step has left to this; see `answers_first`."""
@@ -240,13 +240,14 @@ class Tick(Controller):
         """Return the command that says what the parts have decided; `possible` as of `holds_up`."""
 
 
-def holds_up(measured: RobotState, now: Kinematics, feet: Feet) -> bool:
+def holds_up(measured: RobotState, now: Kinematics, feet: Feet, begins: bool) -> bool:
     """Return whether a robot stands over its feet, so that what a walk wants of it can be had at all.
 
     Not if it has fallen over (as runs count it, 60 degrees from upright), nor while no foot touches though
-    the gait wants one on the ground: forces in cones then say nothing of it.
+    the gait wants one on the ground: forces in cones then say nothing of it. In the tick in which a walk
+    begins no world has had forces yet that would show a touch.
     """
     if now.rotation[2, 2] < FALLEN:
         return False
-    touches = feet.stance if measured.contact is None else measured.contact
+    touches = feet.stance if measured.contact is None or begins else measured.contact
     return bool(touches.any() or not feet.planned.any())

@@ -44,7 +44,7 @@ def check_point_feet(robot: Robot) -> None:
         f"{robot.name} cannot walk here: that takes a free base and three or more point feet, "
         f"it has {len(robot.feet)}{f', {flat} of them flat' if flat else ''}"
     ]
-    if robot.floating and len(robot.feet) == 2:
+    if robot.floating and len(robot.feet) == 2 and flat < 2:
         pointed = next(foot for foot in robot.feet if not foot.flat)
         lines.append(
             "on two feet it takes soles, which points do not have (a box, a mesh or four spheres under each "

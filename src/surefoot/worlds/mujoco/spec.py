@@ -83,9 +83,9 @@ def robot_spec(robot: Robot, payload: float = 0.0, payload_position: FloatArray 
             quat=quaternion_wxyz(quaternion_from_rotation(pose.rotation)),
         )
         bodies[index] = body
+        _add_joint(mujoco, body, model, index, name)
         _check_inertia(robot.name, name, model.inertias[index])
         _set_inertia(body, model.inertias[index])
-        _add_joint(mujoco, body, model, index, name)
     if payload > 0.0:
         add_payload(bodies[1], payload, np.zeros(3) if payload_position is None else payload_position)
     points = robot.contact_points

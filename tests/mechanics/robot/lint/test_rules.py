@@ -53,10 +53,10 @@ MORE = {  # rule: format, what of the file becomes what, place, severity
     "sides-differ": ("urdf", KNEE, KNEE.replace('"30"', '"20"'), "joint FL_knee", "warning"),
     "feet-differ": ("urdf", KNEE, KNEE.replace("0 0 -0.2", "0 0 -0.15"), "foot FL_foot", "warning"),
     "body-in-ground": (
-        "urdf", '<sphere radius="0.02"/></geometry></collision></link>\n' + FIRST,
-        '<sphere radius="0.02"/></geometry></collision><collision><origin xyz="0 0 -0.1"/><geometry>'
-        f'<box size="0.1 0.1 0.1"/></geometry></collision></link>\n{FIRST}',
-        "link FL_foot", "error",
+        "urdf", f"{BOX}</geometry></collision>",
+        f'{BOX}</geometry></collision><collision><origin xyz="0.06 0 -0.25"/><geometry>{BOX}'
+        "</geometry></collision>",
+        "link FL_calf", "error",
     ),
     "shape-empty": ("urdf", BOX, '<box size="0 0.02 0.1"/>', "link FL_calf", "error"),
     "shape-unlike-robot": ("urdf", BOX, '<box size="20 20 100"/>', "link FL_calf", "error"),
