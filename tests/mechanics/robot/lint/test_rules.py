@@ -19,6 +19,10 @@ KNEE = (
     '<origin xyz="0 0 -0.2"/><axis xyz="0 1 0"/><limit lower="-2.7" upper="-0.3" effort="30" velocity="20"/>'
 )
 FIRST = '<joint name="FL_roll"'
+BARE_FOOT = (
+    '<link name="FL_foot"><inertial><origin xyz="0 0 -0.01"/><mass value="0.05"/><inertia ixx="1e-05" '
+    'ixy="0" ixz="0" iyy="1e-05" iyz="0" izz="1e-05"/></inertial>'
+)
 BOX = '<box size="0.02 0.02 0.1"/>'
 
 MORE = {  # rule: format, what of the file becomes what, place, severity
@@ -52,6 +56,13 @@ MORE = {  # rule: format, what of the file becomes what, place, severity
     ),
     "sides-differ": ("urdf", KNEE, KNEE.replace('"30"', '"20"'), "joint FL_knee", "warning"),
     "feet-differ": ("urdf", KNEE, KNEE.replace("0 0 -0.2", "0 0 -0.15"), "foot FL_foot", "warning"),
+    "foot-without-shape": (
+        "urdf",
+        f"<collision><geometry>{BOX}</geometry></collision></link>\n{BARE_FOOT}"
+        '<collision><geometry><sphere radius="0.02"/></geometry></collision></link>',
+        f"</link>\n{BARE_FOOT}</link>",
+        "foot FL_foot", "warning",
+    ),
     "body-in-ground": (
         "urdf", f"{BOX}</geometry></collision>",
         f'{BOX}</geometry></collision><collision><origin xyz="0.06 0 -0.25"/><geometry>{BOX}'
