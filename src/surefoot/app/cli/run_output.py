@@ -27,9 +27,7 @@ OUTCOMES = {
 
 def law_table(summary: RunSummary) -> Table:
     """Return the three laws as numbers."""
-    # those that `LawFigures.broken` judges by
-    laws, limit = summary.laws, max(LIMITS.laws.penetration, summary.laws.sinking)
-    way = LIMITS.laws.slide + summary.laws.stopping
+    laws, (limit, way) = summary.laws, summary.laws.allowed()
 
     def mm(metres: float, form: str = "g") -> str:
         return f"{1e3 * metres:{form}} mm"

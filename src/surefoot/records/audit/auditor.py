@@ -107,9 +107,7 @@ def audit_log(log: Log | Path | str, robot: Robot | None = None, limits: AuditLi
                     _slide(rows, slides)
                     # of means a whole stance is open, else no more than a window of it
                     way = rows.unsure_way[rows.core].sum(axis=0)
-                    unsure = (
-                        unsure + way if setting.after is None else np.fmax(unsure, longest_unsure_way(rows))
-                    )
+                    unsure = unsure + way if setting.means else np.fmax(unsure, longest_unsure_way(rows))
     if "dissipation" in tracks:
         _slow_slides(slides, tracks["dissipation"], setting.slide_limit + unsure, len(log))
     return _report(log, setting, coverage, tracks, friction)

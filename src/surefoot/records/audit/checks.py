@@ -176,7 +176,7 @@ def _motion(rows: Rows) -> Measured:
         rings = np.sqrt(sliding_mean((rest.force**2).sum(axis=1), rows.window(limits.ringing_time)))
         value[:, -1] = np.fmax(value[:, -1], rings * (limits.force / limits.ringing))
     limit = np.full(rows.count, limits.force * weight)
-    if rows.setting.after is None:
+    if rows.setting.means:
         limit += sliding_max(_turned_forces(rows), w)
     return over(np.nan_to_num(value), limit[:, None])
 

@@ -54,7 +54,7 @@ def gap_rate(rows: Rows) -> Measured:
         value[:, [not rows.setting.single(k) for k in range(rows.points)]] = 0.0
     step = np.abs(up) * rows.dt[:, None]
     touched = sliding_sum(np.where(edges(rows), _highest(step, 1), 0.0), w)
-    if rows.setting.after is None:  # a mean of stages is that of no instant
+    if rows.setting.means:  # a mean of stages is that of no instant
         touched += sliding_sum(np.abs(np.diff(up, axis=0, append=up[-1:])) * rows.dt[:, None], w)
     return over(value, limits.gap + _highest(step, w) + touched + limits.drift * sliding_sum(step, w))
 
@@ -76,13 +76,13 @@ def contact_velocity(rows: Rows) -> Measured:
         change = after - own
         size = np.maximum((change**2).sum(axis=-1), 1e-24)
         # of a touch within a row of means nobody knows how much of it the change takes
-        least, most = (-1.0, 2.0) if rows.setting.after is None else (0.0, 1.0)
+        least, most = (-1.0, 2.0) if rows.setting.means else (0.0, 1.0)
         share = np.clip((off * change).sum(axis=-1) / size, least, most)
         off = off - share[..., None] * change
         value = np.nan_to_num(np.linalg.norm(sliding_mean(off, w), axis=-1))
         size = np.nan_to_num(np.linalg.norm(own, axis=-1))
         limit = limits.velocity + limits.velocity_share * _highest(size, w)
-        if rows.setting.after is None:  # a mean over the part of its row that touches
+        if rows.setting.means:  # a mean over the part of its row that touches
             touching = sliding_sum(edges(rows).astype(np.float64), w + 2) > 0.0
             open_speed = _highest(np.nan_to_num(np.linalg.norm(change, axis=-1)), w)
             limit = np.where(touching, np.inf, limit + open_speed)

@@ -106,6 +106,11 @@ class Setting:
     missing_rows: str = ""
 
     @property
+    def means(self) -> bool:
+        """Whether velocities and forces are means over their rows, see `after`."""
+        return self.after is None
+
+    @property
     def threshold(self) -> float:
         """Normal force from which a contact counts as loaded [N]."""
         return self.limits.laws.loaded * self.weight

@@ -213,7 +213,7 @@ class AuditReport:
 
     def __str__(self) -> str:
         physics = self._physics
-        limits = f" Limits not kept: {', '.join(self.limits_broken)}." if self.limits_broken else ""
+        limits = f" {self._own_limits[0].upper()}{self._own_limits[1:]}." if self.limits_broken else ""
         return f"{self.story} {physics[0].upper()}{physics[1:]}.{limits}"
 
     @property
@@ -248,7 +248,7 @@ class AuditReport:
         task = {"attained": "; the task was attained", "failed": f"; the task failed: {self.task_reason}"}
         asked = f"; the command: {self.command[0]}" if self.command else ""
         why = "" if self.first_cause is None else f"; first cause: {self.first_cause}"
-        limits = f"; limits not kept: {', '.join(self.limits_broken)}" if self.limits_broken else ""
+        limits = f"; {self._own_limits}" if self.limits_broken else ""
         return self._several + self._physics + limits + task.get(self.task, "") + asked + why
 
     @property
@@ -271,6 +271,11 @@ class AuditReport:
         if self.verdict == "broken" or self.task == "failed":
             return 1
         return 0 if self.lawful else 3
+
+    @property
+    def _own_limits(self) -> str:
+        """What is to say of the robot's own limits."""
+        return f"limits not kept: {', '.join(self.limits_broken)}"
 
     @property
     def _physics(self) -> str:

@@ -159,7 +159,7 @@ class Rows:
         Half of their change; all of it where they are means, since friction changes with the slip meanwhile.
         """
         change = np.diff(self.velocities[..., :2], axis=0, append=self.velocities[-1:, :, :2])
-        share = 1.0 if self.setting.after is None else 0.5
+        share = 1.0 if self.setting.means else 0.5
         size = share * self.dt[:, None] * np.hypot(*np.moveaxis(change, -1, 0))
         return np.asarray(np.where(self.loaded, size, 0.0))
 
@@ -209,7 +209,7 @@ class Rows:
             world = self.world_forces
             load = self.setting.payload
             mass = self.setting.weight / (GRAVITY * (robot.mass + load))
-            place, means = self.setting.payload_position, self.setting.after is None
+            place, means = self.setting.payload_position, self.setting.means
             out = unexplained(robot, clean, world, mass, load, place, limits.sticking, means)
         steps, dt = np.diff(time), self.setting.dt
         wrong = ~(steps > limits.known_step_low * dt) | ~(steps < limits.known_step_high * dt)
