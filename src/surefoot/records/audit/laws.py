@@ -65,8 +65,8 @@ class LawFigures:
     sinking: float = 0.0
     stopping: float = 0.0
 
-    def allowed(self, limits: AuditLimits = LIMITS) -> tuple[float, float]:
-        """Return the depth of a contact and the way without friction that are lawful in its world [m]."""
+    def add_softness(self, limits: AuditLimits = LIMITS) -> tuple[float, float]:
+        """Return the lawful depth, and way without friction, with what the world declares of its softness [m]."""
         return max(limits.laws.penetration, self.sinking), limits.laws.slide + self.stopping
 
     def broken(self, weight: float, limits: AuditLimits = LIMITS) -> list[str]:
@@ -78,7 +78,7 @@ class LawFigures:
         if weight == 0.0:
             raise ProblemError("weight must be positive, got 0")
         out = list(self.not_finite)
-        laws, (depth, way) = limits.laws, self.allowed(limits)
+        laws, (depth, way) = limits.laws, self.add_softness(limits)
         if self.penetration_max > depth:
             out.append(f"penetration of {1e3 * self.penetration_max:.2f} mm (limit {1e3 * depth:.3g})")
         if self.unilateral_min < -laws.pull * weight:
