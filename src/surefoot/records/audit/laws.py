@@ -66,7 +66,7 @@ class LawFigures:
     stopping: float = 0.0
 
     def add_softness(self, limits: AuditLimits = LIMITS) -> tuple[float, float]:
-        """Return the lawful depth, and way without friction, with what the world declares of its softness [m]."""
+        """Return the lawful depth and way without friction, with what the world declares of both [m]."""
         return max(limits.laws.penetration, self.sinking), limits.laws.slide + self.stopping
 
     def broken(self, weight: float, limits: AuditLimits = LIMITS) -> list[str]:
