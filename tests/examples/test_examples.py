@@ -52,7 +52,7 @@ def test_the_animation_has_the_pictures_of_the_walk(
 def test_can_it_stand(capsys: pytest.CaptureFixture[str]) -> None:
     script("10_can_it_stand")
     text = capsys.readouterr().out
-    assert "20 deg, mu 0.6: Verdict(possible" in text
+    assert "20 deg, mu 0.6: It can stand" in text
     assert "friction needed 0.700" in text
     assert "no force works against the motion" in text
 

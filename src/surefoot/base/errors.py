@@ -171,6 +171,15 @@ def shown(value: object) -> str:
         return f"a value of type {type(value).__name__}"
 
 
+def count_of(number: int, noun: str) -> str:
+    """Return a number with its noun.
+
+    >>> count_of(1, "contact"), count_of(4, "contact")
+    ('1 contact', '4 contacts')
+    """
+    return f"{number:,} {noun}{'' if number == 1 else 's'}"
+
+
 def one_line(error: BaseException) -> str:
     """Return what an error says in one line, as messages of the command line are."""
     return " ".join(str(error).split())

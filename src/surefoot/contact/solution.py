@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, real_number
-from surefoot.base.errors import NoSolution, ProblemError
+from surefoot.base.drawn import Drawn
+from surefoot.base.errors import NoSolution, ProblemError, count_of
 from surefoot.contact.laws import LAWS
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.problem.proof import InfeasibilityProof
@@ -47,7 +48,7 @@ def record_of(forces: FloatArray, velocities: FloatArray, numbers: Numbers) -> F
     return np.concatenate([forces, velocities, rest])
 
 
-class Certified:
+class Certified(Drawn):
     """Forces and velocities, a status and the residuals, read from one record: what every answer is.
 
     Answers fill its slots themselves: a call for it would take a twentieth of a solve.
@@ -78,6 +79,13 @@ class Certified:
     def solved(self) -> bool:
         """Whether the status is SOLVED."""
         return self._status is Status.SOLVED
+
+    def __str__(self) -> str:
+        normal = self._forces.reshape(len(self._forces), -1)[:, -1]
+        press = int(np.count_nonzero(normal > 1e-9 * float(normal.max(initial=0.0))))
+        most, error = float(normal.max(initial=0.0)), self.residuals.velocity_error
+        pressing = f"{press} of {count_of(len(normal), 'contact')} press, at most {most:.4g}"
+        return f"{self._status.name}: {pressing}; velocity error {error:.1e}."
 
     @property
     def residuals(self) -> Residuals:
@@ -164,9 +172,10 @@ class ContactSolution(Certified):
         return self._proof
 
     def __repr__(self) -> str:
+        error = self.residuals.velocity_error
         return (
-            f"ContactSolution(status={self._status}, solver={self._solver!r}, iterations={self._iterations}, "
-            f"solve_time={self._solve_time:.3g}, forces={self._forces!r}, residuals={self.residuals!r})"
+            f"ContactSolution({self._status.name}, solver={self._solver!r}, contacts={len(self._forces)}, "
+            f"velocity_error={error:.1e}, iterations={self._iterations}, solve_time={self._solve_time:.3g})"
         )
 
     def derivative(self, smoothing: float = 0.0, kink_tol: float = 1e-9) -> ContactDerivative:

@@ -1,41 +1,42 @@
-"""One picture of an answer."""
+"""One picture of an answer, in a file."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
-from surefoot.base.arrays import of_kind
+from surefoot.app.viz.drawings import drawing_of, figure_of
+from surefoot.app.viz.style import save
 from surefoot.base.errors import ProblemError
 from surefoot.base.text_files import path_of
-from surefoot.records.audit import AuditReport
 
 
-def picture(answer: AuditReport, path: Path | str = "picture.png") -> Path:
+def picture(answer: Any, path: Path | str = "picture.png", **options: Any) -> Path:
     """Draw an answer into a new file and return its path.
 
     Parameters
     ----------
     answer
-        An audit's report: its story, the robot at the events, friction, balance and torques over time.
+        What has a method `plot`: a cone, a stance, a verdict, a solution, a log, an audit's report ...
     path
         Of the file; its suffix says which kind: .png, .svg or .pdf.
+    **options
+        Of the picture of this kind, as docs/pictures.md lists them.
 
     Raises
     ------
     ProblemError
-        For what is no such answer, or a file that exists already.
+        For what has no picture, an option that its picture has not, or a file that exists already.
     MissingExtra
         If matplotlib is not installed.
     """
-    of_kind("answer", answer, AuditReport)
+    drawing_of(answer)
     place = path_of(path)
     if place.exists():
         raise ProblemError(f"{place} exists already")
     if place.suffix not in KINDS:
         raise ProblemError(f"a picture is one of {', '.join(KINDS)}, got {place.suffix or place.name!r}")
-    from surefoot.app.viz.story_plots import draw_story
-
-    return draw_story(answer, place)
+    return save(figure_of(answer, **options), place)
 
 
 KINDS = (".png", ".svg", ".pdf")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from surefoot.app.viz.plots import draw_cone_use, draw_normal_forces, draw_torques
 from surefoot.app.viz.style import FOOT_COLOURS, new_axis, save
@@ -14,9 +14,15 @@ if TYPE_CHECKING:
 
 def draw_contacts(plan: Plan, path: Path) -> Path:
     """Draw when each foot is on the ground, as bars."""
+    figure, axis = new_axis((8.0, 0.45 * len(plan.facts["feet"]) + 1.3))
+    draw_phases(plan, axis)
+    return save(figure, path)
+
+
+def draw_phases(plan: Plan, axis: Any) -> None:
+    """Draw when each foot is on the ground, as bars on given axes."""
     names = plan.facts["feet"]
-    title = "Contacts as planned"
-    figure, axis = new_axis((8.0, 0.45 * len(names) + 1.3), title, xlabel="time [s]")
+    axis.set(title="Contacts as planned", xlabel="time [s]")
     for k, name in enumerate(names):
         row = len(names) - 1 - k
         spans = [(p.start, p.end - p.start) for p in plan.contacts if p.foot == name]
@@ -24,7 +30,6 @@ def draw_contacts(plan: Plan, path: Path) -> Path:
     axis.set_yticks(range(len(names)), names[::-1])
     axis.set(ylim=(-0.7, len(names) - 0.3), xlim=(0.0, plan["time"][-1] + float(plan.facts["dt"])))
     axis.grid(axis="y", visible=False)
-    return save(figure, path)
 
 
 def draw_plan(plan: Plan, folder: Path) -> list[Path]:

@@ -1,4 +1,4 @@
-"""Pictures of a stance: contacts, cones, forces or the falling motion, and its regions."""
+"""Pictures of robots and stances: contacts, cones, forces or the falling motion, and their regions."""
 
 from __future__ import annotations
 
@@ -7,10 +7,21 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.app.viz.shapes import cone_rim, ring
-from surefoot.app.viz.style import BAD, FOOT_COLOURS, FORCE, INK, MUTED, blank_figure, house_style, save
-from surefoot.base.arrays import FloatArray
-from surefoot.mechanics import Verdict
+from surefoot.app.viz.shapes import bones, cone_rim, ring
+from surefoot.app.viz.style import (
+    BAD,
+    FOOT_COLOURS,
+    FORCE,
+    INK,
+    MUTED,
+    blank_figure,
+    friction_colour,
+    house_style,
+    save,
+)
+from surefoot.base.arrays import FloatArray, finite_array
+from surefoot.base.errors import ProblemError
+from surefoot.mechanics import Robot, Verdict
 from surefoot.mechanics.stance import Contact, Stance, StanceQuestion
 from surefoot.mechanics.statics.com_region import com_region, support_polygon
 from surefoot.mechanics.statics.region import Region, polygon_area
@@ -36,22 +47,88 @@ def draw_check(question: StanceQuestion, verdict: Verdict, headline: str, path: 
     with house_style():
         space = figure.add_subplot(1, 2, 1, projection="3d")
         above = figure.add_subplot(1, 2, 2)
-        stance = question.stance
-        region = com_region(stance, question.mass, external_wrench=question.external_wrench)
-        size = _size(stance, question.com)
-        _ground(space, stance, region, question.com)
-        for contact in stance:
-            _cone(space, contact, 0.28 * size)
-        if verdict.feasible:
-            _forces(space, stance, verdict, size)
-        else:
-            _falling(space, stance, question.com, verdict, size)
-        space.scatter(*question.com, s=55, color=INK, depthshade=False)
-        _frame(space, stance, question.com, size)
+        region = com_region(question.stance, question.mass, external_wrench=question.external_wrench)
+        _ground(space, question.stance, region, question.com)
+        _balance(space, verdict)
         _above(above, question, region, verdict)
         colour = "#2e933c" if headline.startswith("possible") else BAD
         figure.suptitle(f"{question.name}\n{headline}", color=colour, fontsize=10.5)
     return save(figure, path)
+
+
+def _balance(axis: Any, verdict: Verdict) -> None:
+    """Draw contacts, cones, centre of mass, and the forces or the proof in space."""
+    stance, com = verdict.stance, verdict.com
+    size = _size(stance, com)
+    for contact in stance:
+        _cone(axis, contact, 0.28 * size)
+    if verdict.feasible:
+        _forces(axis, stance, verdict, size)
+    elif verdict.certificate is not None:
+        _falling(axis, stance, com, verdict, size)
+    axis.scatter(*com, s=55, color=INK, depthshade=False)
+    _frame(axis, stance, com, size)
+
+
+def draw_verdict(verdict: Verdict, axes: Any) -> None:
+    """Draw what holds a stance, or the motion that proves that nothing does; on plane axes from above."""
+    colour = "#2e933c" if verdict.feasible else BAD
+    if axes.name == "3d":
+        _balance(axes, verdict)
+    else:
+        _fill(axes, support_polygon(verdict.stance), SUPPORT, "support polygon", filled=False)
+        _feet(axes, verdict.stance)
+        _pushes(axes, verdict)
+        axes.plot(*verdict.com[:2], "o", color=INK, ms=8, label="centre of mass", zorder=5)
+        _finish(axes, "")
+        axes.legend(fontsize=8)
+    margin = f", {verdict.margin:.3g} N to spare" if verdict.feasible else ""
+    axes.set_title(f"{verdict.status}{margin}", color=colour)
+
+
+def draw_stance(stance: Stance, axes: Any) -> None:
+    """Draw the contacts with their cones, or from above on plane axes."""
+    if axes.name != "3d":
+        _fill(axes, support_polygon(stance), SUPPORT, "support polygon", filled=False)
+        _feet(axes, stance)
+        _finish(axes, f"{len(stance)} contacts from above")
+        return
+    middle = stance.positions.mean(axis=0) if len(stance) else np.zeros(3)
+    size = _size(stance, middle)
+    for contact in stance:
+        _cone(axes, contact, 0.28 * size)
+        axes.text(*contact.position, f" {contact.name.removesuffix('_foot')}", fontsize=7.5, color=INK)
+    _frame(axes, stance, middle, size)
+    axes.set_title(f"{len(stance)} contacts")
+
+
+def draw_region(region: Region, axes: Any) -> None:
+    """Draw the region's inner polygon filled, and what it is known to be inside of dashed."""
+    _fill(axes, region.inner, COM, f"inside: {1e4 * region.area:.0f} cm²", filled=True)
+    _fill(axes, region.outer, MUTED, f"outside of this: none (gap {1e3 * region.gap:.2g} mm)", filled=False)
+    _finish(axes, "empty" if region.empty else f"region at height {region.height + 0.0:.2f} m")
+    if not region.empty:
+        axes.legend(fontsize=8, loc="best")
+
+
+def draw_robot(robot: Robot, axes: Any, q: FloatArray | None = None) -> None:
+    """Draw a robot's links as lines and its feet as dots, at (nq,) q or its nominal configuration."""
+    pose = robot.nominal if q is None else finite_array("q", q, robot.nominal.shape)
+    lines = bones(robot, pose)
+    points = lines.reshape(-1, 3)
+    if not len(points):
+        raise ProblemError(f"{robot.name} has no joints: there is nothing to draw")
+    for line in lines:
+        axes.plot(*(line.T if axes.name == "3d" else line[:, [0, 2]].T), color=INK, lw=2.0)
+    for name, foot in zip(robot.foot_names, robot.foot_positions(pose), strict=True):
+        place = foot if axes.name == "3d" else foot[[0, 2]]
+        axes.plot(*(np.atleast_2d(place).T), "o", color=FORCE, ms=4)
+        axes.text(*place, f" {name.removesuffix('_foot')}", fontsize=7, color=INK)
+    axes.set_title(f"{robot.name}, {robot.mass:.4g} kg, {robot.joints} joints")
+    if axes.name == "3d":
+        _frame_around(axes, points)
+    else:
+        axes.set(xlabel="x [m]", ylabel="z [m]", aspect="equal")
 
 
 def _size(stance: Stance, com: FloatArray) -> float:
@@ -95,7 +172,7 @@ def _sole(contact: Contact) -> FloatArray:
 
 
 def _forces(axis: Any, stance: Stance, verdict: Verdict, size: float) -> None:
-    """Draw contact forces as arrows, from the centre of pressure of a sole."""
+    """Draw contact forces as arrows, at the centres of pressure of soles, with the friction that they use."""
     forces = verdict.by_contact()
     longest = max((float(np.linalg.norm(f[:3])) for f in forces), default=0.0)
     for contact, force in zip(stance, forces, strict=True):
@@ -104,9 +181,12 @@ def _forces(axis: Any, stance: Stance, verdict: Verdict, size: float) -> None:
         if contact.dim == 6 and force[2] > 0.0:
             foot = foot + R @ np.array([-force[4] / force[2], force[3] / force[2], 0.0])
         arrow = R @ force[:3] * (0.5 * size / max(longest, 1e-300))
-        axis.quiver(*foot, *arrow, color=FORCE, lw=2.0, arrow_length_ratio=0.14)
-        label = f"{np.linalg.norm(force[:3]):.0f} N"
-        axis.text(*(foot + 1.12 * arrow), label, fontsize=7.5, color=FORCE, ha="center")
+        limit = contact.mu * float(force[2])
+        used = float(np.hypot(force[0], force[1])) / limit if limit > 0.0 else 0.0
+        colour = friction_colour(used)
+        axis.quiver(*foot, *arrow, color=colour, lw=2.0, arrow_length_ratio=0.14)
+        label = f"{np.linalg.norm(force[:3]):.0f} N, {100.0 * used:.0f} %"
+        axis.text(*(foot + 1.12 * arrow), label, fontsize=7.5, color=colour, ha="center")
 
 
 def _falling(axis: Any, stance: Stance, com: FloatArray, verdict: Verdict, size: float) -> None:
@@ -128,9 +208,12 @@ def _falling(axis: Any, stance: Stance, com: FloatArray, verdict: Verdict, size:
 
 def _frame(axis: Any, stance: Stance, com: FloatArray, size: float) -> None:
     """Set equal axes around contacts and centre of mass."""
-    points = np.vstack([stance.points().positions.reshape(-1, 3), com])
+    _frame_around(axis, np.vstack([stance.points().positions.reshape(-1, 3), com]), size)
+
+
+def _frame_around(axis: Any, points: FloatArray, size: float | None = None) -> None:
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
-    reach = 0.72 * size
+    reach = 0.72 * (max(0.1, float(np.ptp(points, axis=0).max())) if size is None else size)
     for k, name in enumerate("xyz"):
         getattr(axis, f"set_{name}lim")(middle[k] - reach, middle[k] + reach)
         getattr(axis, f"set_{name}label")(f"{name} [m]", labelpad=-2)
@@ -147,16 +230,20 @@ def _above(axis: Any, question: StanceQuestion, region: Region, verdict: Verdict
     _fill(axis, shifted, COM, "CoM region", filled=True)
     _fill(axis, support_polygon(stance), SUPPORT, "support polygon", filled=False)
     _feet(axis, stance)
-    if verdict.feasible:
-        for contact, force in zip(stance, verdict.by_contact(), strict=True):
-            world = contact.rotation_world_contact @ force[:3]
-            share = 0.25 * _size(stance, com) / max(float(np.linalg.norm(verdict.load)), 1e-300)
-            if np.linalg.norm(world[:2]) * share > 1e-4:
-                start, arrow = contact.position[:2], {"arrowstyle": "->", "color": FORCE}
-                axis.annotate("", start + 2.0 * share * world[:2], start, arrowprops=arrow)
+    _pushes(axis, verdict)
     axis.plot(*com[:2], "o", color=INK, ms=8, label="centre of mass", zorder=5)
     _finish(axis, "from above" + (": the CoM region is empty" if region.empty else ""))
     axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=3, fontsize=8)
+
+
+def _pushes(axis: Any, verdict: Verdict) -> None:
+    """Draw the horizontal parts of the forces as arrows; none where there are no forces."""
+    share = 0.25 * _size(verdict.stance, verdict.com) / max(float(np.linalg.norm(verdict.load)), 1e-300)
+    for contact, force in zip(verdict.stance, verdict.by_contact(), strict=verdict.feasible):
+        world = contact.rotation_world_contact @ force[:3]
+        if np.linalg.norm(world[:2]) * share > 1e-4:
+            start, arrow = contact.position[:2], {"arrowstyle": "->", "color": FORCE}
+            axis.annotate("", start + 2.0 * share * world[:2], start, arrowprops=arrow)
 
 
 def _fill(axis: Any, polygon: FloatArray, colour: str, label: str, filled: bool) -> None:

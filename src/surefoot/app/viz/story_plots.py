@@ -7,7 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.app.viz.style import BAD, FORCE, GROUND, INK, MUTED, draw_columns, new_figure, save
+from surefoot.app.viz.style import (
+    BAD,
+    FORCE,
+    GROUND,
+    INK,
+    MUTED,
+    blank_figure,
+    draw_columns,
+    house_style,
+    save,
+)
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
 from surefoot.records.audit import AuditReport
@@ -31,18 +41,23 @@ def draw_story(report: AuditReport, path: Path) -> Path:
     MissingExtra
         If matplotlib is not installed.
     """
+    figure = blank_figure()
+    with house_style():
+        draw_panels_of_story(report, figure)
+    return save(figure, path)
+
+
+def draw_panels_of_story(report: AuditReport, figure: Any) -> None:
+    """Draw the story of an audit into an empty figure; its height goes with the number of panels."""
     if report.log is None:
         raise ProblemError("the report has no log: audit one first")
     log = report.log
     setting = setting_of(log, None, report.limits)
     s = Signals(log, setting)
     panels = _panels(s, report)
-    height = 2.6 + 1.5 * len(panels)
-    figure, grid = new_figure(
-        1 + len(panels), 1, (9.0, height),
-        gridspec_kw={"height_ratios": [2.0] + [1.3] * len(panels), "hspace": 0.25, "right": 0.8},
-    )  # fmt: skip
-    axes = grid[:, 0]
+    figure.set_size_inches(9.0, 2.6 + 1.5 * len(panels))
+    ratios = {"height_ratios": [2.0] + [1.3] * len(panels), "hspace": 0.25, "right": 0.8}
+    axes = figure.subplots(1 + len(panels), 1, squeeze=False, gridspec_kw=ratios)[:, 0]
     for axis, label in zip(axes[1:], panels, strict=True):
         axis.set_ylabel(label)
         if axis is not axes[1]:
@@ -62,7 +77,6 @@ def draw_story(report: AuditReport, path: Path) -> Path:
     if panels:
         axes[-1].set_xlim(report.start, max(report.end, report.start + 1e-6))
     figure.suptitle(_title(report), fontsize=9, color=INK, wrap=True)
-    return save(figure, path)
 
 
 def _title(report: AuditReport) -> str:

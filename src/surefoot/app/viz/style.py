@@ -37,6 +37,22 @@ _STYLE = {
 }
 
 
+_EASY, _HARD = (46, 147, 60), (224, 142, 11)
+
+
+def friction_colour(share: float) -> str:
+    """Return the colour of a force that uses so much of its friction: green, orange, red at the border."""
+    if share >= LEAST_SLIDING:
+        return BAD
+    part = min(max(share, 0.0), 1.0)
+    mixed = (round((1.0 - part) * easy + part * hard) for easy, hard in zip(_EASY, _HARD, strict=True))
+    return "#{:02x}{:02x}{:02x}".format(*mixed)
+
+
+LEAST_SLIDING = 0.999
+"""Share of the friction from which a force is drawn as one at its cone's border."""
+
+
 def new_figure(
     rows: int = 1, columns: int = 1, size: tuple[float, float] = (8.0, 4.5), **subplots: Any
 ) -> tuple[Any, Any]:

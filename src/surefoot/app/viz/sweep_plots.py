@@ -8,10 +8,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from surefoot.app.viz.style import BAD, FOOT_COLOURS, GROUND, INK, MUTED, house_style, new_grid, save
+from surefoot.app.viz.style import (
+    BAD,
+    FOOT_COLOURS,
+    GROUND,
+    INK,
+    MUTED,
+    blank_figure,
+    house_style,
+    new_grid,
+    save,
+)
+from surefoot.base.errors import ProblemError
 
 if TYPE_CHECKING:
-    from surefoot.worlds.sweep import SweepConfig
+    from surefoot.worlds.sweep import SweepConfig, SweepResult
     from surefoot.worlds.sweep.survival import Margin
 
 SURVIVED = FOOT_COLOURS[2]
@@ -53,13 +64,33 @@ def _pairs(config: SweepConfig, found: list[Margin]) -> tuple[tuple[str, str], .
 
 def _draw_margins(config: SweepConfig, found: list[Margin], path: Path) -> Path:
     """Draw the share that survived over each parameter."""
-    shown = sorted(found, key=lambda m: -m.effect())[:MOST_MARGINS]
-    figure, axes = new_grid(len(shown), COLUMNS, (3.4, 2.7), (0.6, 0.5))
-    for axis, margin in zip(axes, shown, strict=True):
-        _draw_margin(axis, config, margin)
+    figure = blank_figure()
     with house_style():
-        figure.suptitle(f"{config.name}: share that {config.experiment.goal}, with 95 % intervals", color=INK)
+        _fill_margins(config, found, figure)
     return save(figure, path)
+
+
+def draw_survival(result: SweepResult, figure: Any) -> None:
+    """Draw the share that survived over each parameter into an empty figure."""
+    from surefoot.worlds.sweep.survival import margins
+
+    found = margins(result.config, result.table)
+    if not found:
+        raise ProblemError("nothing of this sweep was drawn from a range: there is nothing to draw")
+    _fill_margins(result.config, found, figure)
+
+
+def _fill_margins(config: SweepConfig, found: list[Margin], figure: Any) -> None:
+    shown = sorted(found, key=lambda m: -m.effect())[:MOST_MARGINS]
+    columns = min(COLUMNS, len(shown))
+    rows = -(-len(shown) // columns)
+    figure.set_size_inches(3.4 * columns + 0.6, 2.7 * rows + 0.5)
+    axes = figure.subplots(rows, columns, squeeze=False).ravel()
+    for axis in axes[len(shown) :]:
+        axis.set_axis_off()
+    for axis, margin in zip(axes, shown, strict=False):
+        _draw_margin(axis, config, margin)
+    figure.suptitle(f"{config.name}: share that {config.experiment.goal}, with 95 % intervals", color=INK)
 
 
 def _draw_margin(axis: Any, config: SweepConfig, margin: Margin) -> None:

@@ -57,6 +57,14 @@ def draw_tosses(train: Tosses, test: Tosses | None, fits: Mapping[str, TossFit],
     return save(figure, path)
 
 
+def draw_fit(fit: TossFit, axes: Any) -> None:
+    """Draw which share of the tosses has at most which position error, seen by the fit or not."""
+    found = {"fitted to": fit.train} | ({} if fit.test is None else {"not seen": fit.test})
+    errors = {name: one.position for name, one in found.items()}
+    _draw_shares(axes, errors, "mean position error [width]")
+    axes.set_title(f"{fit.model}: {', '.join(f'{name} {len(v)}' for name, v in errors.items())} tosses")
+
+
 def _errors(fit: TossFit) -> TossErrors:
     return fit.train if fit.test is None else fit.test
 

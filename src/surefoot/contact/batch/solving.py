@@ -23,7 +23,8 @@ from surefoot.base.arrays import (
     real_number,
     whole_number,
 )
-from surefoot.base.errors import ProblemError, check_name, located
+from surefoot.base.drawn import Drawn
+from surefoot.base.errors import ProblemError, check_name, count_of, located
 from surefoot.contact.batch.derivative import BatchDerivative
 from surefoot.contact.batch.loops import solve_range
 from surefoot.contact.derivative.rates import fitting
@@ -45,8 +46,8 @@ SHARES = 8
 """Pieces per thread that a batch is cut into, so that hard problems do not hold up the rest."""
 
 
-@dataclass(frozen=True)
-class BatchSolution:
+@dataclass(frozen=True, repr=False)
+class BatchSolution(Drawn):
     """Solutions of a batch of problems, each with its own certificate.
 
     Attributes
@@ -69,6 +70,16 @@ class BatchSolution:
     residual: FloatArray
     iterations: IntArray
     derivative: BatchDerivative | None
+
+    def __repr__(self) -> str:
+        done = int(np.count_nonzero(self.solved))
+        return f"BatchSolution({len(self.residual)} problems, {done} SOLVED, forces {self.forces.shape})"
+
+    def __str__(self) -> str:
+        names, counts = np.unique([status.name for status in self.status], return_counts=True)
+        ends = ", ".join(f"{count} {name}" for name, count in zip(names, counts, strict=True))
+        worst = float(np.max(self.residual, initial=0.0))
+        return f"{count_of(len(self.residual), 'problem')}: {ends}; velocity errors up to {worst:.1e}."
 
     @cached_property
     def solved(self) -> BoolArray:

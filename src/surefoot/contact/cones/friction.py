@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, real_number
+from surefoot.base.drawn import Drawn
 from surefoot.contact.cones.cone import Cone, Fit
 from surefoot.contact.cones.polyhedral import FrictionPyramid
 
 
-class FrictionCone(Cone):
+class FrictionCone(Drawn, Cone):
     """Forces (f_x, f_y, f_z) with ||(f_x, f_y)|| <= mu f_z, z along the surface normal.
 
     Parameters
@@ -42,6 +43,10 @@ class FrictionCone(Cone):
 
     def __repr__(self) -> str:
         return f"FrictionCone(mu={self.mu:g})"
+
+    def __str__(self) -> str:
+        angle = math.degrees(math.atan(self.mu))
+        return f"Friction cone of mu {self.mu:g}: forces up to {angle:.3g} deg from the normal."
 
     def project(self, x: ArrayLike) -> FloatArray:
         """Return the nearest force of the cone: (..., 3) [N]."""

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import BoolArray, FloatArray, finite_array, numbers, positive_number, real_number
+from surefoot.base.drawn import Drawn
 from surefoot.base.errors import ProblemError
 from surefoot.contact.cones.sole_shape import edge_names, outline, outward, shape_of
 
@@ -30,7 +31,7 @@ MOST_MU = 1e100
 """Largest friction coefficient of a sole [-]: squares beyond it overflow."""
 
 
-class Sole:
+class Sole(Drawn):
     """A flat sole of length x width, or any convex polygon of corners (`Sole.of_corners`).
 
     Parameters
@@ -108,6 +109,12 @@ class Sole:
         )
         pads = f", torsional_radius={self.torsional_radius:g}" if self.torsional_radius else ""
         return f"Sole({size}, mu={self.mu:g}{pads})"
+
+    def __str__(self) -> str:
+        size = 1e2 * np.ptp(self.corners, axis=0)
+        pads = f", pads of {1e3 * self.torsional_radius:g} mm" if self.torsional_radius else ""
+        kind = f"{len(self.corners)} corners, mu {self.mu:g}{pads}"
+        return f"A sole of {size[0]:.3g} x {size[1]:.3g} cm with {kind}."
 
     @cached_property
     def _data(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:

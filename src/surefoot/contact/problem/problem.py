@@ -19,7 +19,8 @@ from surefoot.base.arrays import (
     numbers,
     per_contact,
 )
-from surefoot.base.errors import ProblemError
+from surefoot.base.drawn import Drawn
+from surefoot.base.errors import ProblemError, count_of
 from surefoot.contact.cones import FrictionPyramid
 from surefoot.contact.laws import COULOMB, LAWS, Law, law_of
 from surefoot.contact.problem.blocks import Blocks, dense_blocks, vectors_fit
@@ -41,7 +42,7 @@ class ContactOptions(TypedDict, total=False):
     bilateral: ArrayLike | None
 
 
-class ContactProblem:
+class ContactProblem(Drawn):
     """Find contact forces λ and velocities u = (G + R) λ + g that obey the contact laws.
 
     With K the product of the friction cones cut to the normal bounds, and Γ(u) = (0, 0, mu ||u_t||)
@@ -348,6 +349,12 @@ class ContactProblem:
         if self._own_g is not None and self._set is not None:
             return self._set
         return set_of(self.mu, self.normal_min, self.normal_max, self.facets, self.fit)
+
+    def __str__(self) -> str:
+        kinds = "" if self._own_g is None else " of several kinds"
+        size = f"G is {self.G.shape[0]} x {self.G.shape[1]}"
+        count = count_of(self.contacts, "contact")
+        return f"Contact problem under the law {str(self.law)!r}: {count}{kinds}; {size}."
 
     def __repr__(self) -> str:
         if self._own_g is not None:

@@ -145,8 +145,8 @@ class ContactForces(Certified):
 
     def __repr__(self) -> str:
         return (
-            f"ContactForces(status={self.status}, iterations={self.iterations}, forces={self.forces!r}, "
-            f"residuals={self.residuals!r})"
+            f"ContactForces({self.status.name}, contacts={len(self._forces)}, "
+            f"velocity_error={self.velocity_error:.1e}, iterations={self.iterations})"
         )
 
 

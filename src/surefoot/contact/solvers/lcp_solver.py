@@ -20,7 +20,7 @@ from surefoot.contact.solvers.lemke import solve_lemke
 from surefoot.contact.solvers.solver import ALMOST_FACTOR, Answer, SolverSettings
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LcpSolution:
     """A solution of an LCP with its own certificate.
 
@@ -56,6 +56,14 @@ class LcpSolution:
     ray: FloatArray | None = None
     message: str = ""
     proof: FloatArray | None = None
+
+    def __repr__(self) -> str:
+        return f"LcpSolution({self.status.name}, size={len(self.z)}, residual={self.residual:.1e})"
+
+    def __str__(self) -> str:
+        said = f" {self.message[:1].upper()}{self.message[1:]}" if self.message else ""
+        size = f"{len(self.z)} unknowns, residual {self.residual:.1e}"
+        return f"{self.status.name} by {self.solver}: {size}.{said}"
 
     @property
     def solved(self) -> bool:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, finite_array, of_kind, per_contact
+from surefoot.base.drawn import Drawn
 from surefoot.base.errors import ModelError, ProblemError, unknown_name
 from surefoot.base.libraries import import_pinocchio
 from surefoot.contact import Sole
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from surefoot.mechanics.robot.lint import Lint
 
 
-class Robot(ShapesOfFile):
+class Robot(Drawn, ShapesOfFile):
     """A robot model with feet; built by `load_robot`.
 
     Configurations follow Pinocchio: q = [base position (3); base quaternion (x, y, z, w); joints],
@@ -82,6 +83,11 @@ class Robot(ShapesOfFile):
 
     def __repr__(self) -> str:
         return f"Robot({self.name!r}, mass={self.mass:.3f}, joints={self.joints}, feet={self.foot_names})"
+
+    def __str__(self) -> str:
+        base = "floating" if self.floating else "fixed"
+        feet = ", ".join(self.foot_names) or "none"
+        return f"{self.name}: {self.mass:.4g} kg, {self.joints} joints, {base} base; feet: {feet}."
 
     @cached_property
     def data(self) -> Any:

@@ -11,14 +11,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, finite_array, per_contact
-from surefoot.base.errors import ProblemError, check_name, shown
+from surefoot.base.drawn import Drawn
+from surefoot.base.errors import ProblemError, check_name, count_of, shown
 from surefoot.base.spatial import skew
 from surefoot.contact import Fit, ProductCone
 from surefoot.mechanics.stance.contact import Contact, PointContact, SoleContact
 from surefoot.mechanics.stance.halfspaces import Axes, HalfSpaces, TwoSidedRows, halfspaces, two_sided
 
 
-class Stance:
+class Stance(Drawn):
     """Contacts in a fixed order; forces are stacked in that order, each in its contact frame.
 
     Parameters
@@ -58,6 +59,17 @@ class Stance:
 
     def __repr__(self) -> str:
         return f"Stance([{', '.join(c.name or type(c).__name__ for c in self.contacts)}])"
+
+    def __str__(self) -> str:
+        soles = sum(c.dim == 6 for c in self.contacts)
+        kinds = [count_of(len(self) - soles, "point")] if soles < len(self) or not soles else []
+        kinds += [count_of(soles, "sole")] if soles else []
+        named = [c.name for c in self.contacts if c.name]
+        who = f": {', '.join(named[:8])}{', ...' if len(named) > 8 else ''}" if named else ""
+        mu = self._each("mu")
+        friction = f", mu {mu.min():.3g} to {mu.max():.3g}" if len(self) and np.ptp(mu) > 0.0 else ""
+        friction = f", mu {mu[0]:.3g}" if len(self) and not friction else friction
+        return f"Stance of {' and '.join(kinds)}{friction}{who}."
 
     @property
     def names(self) -> tuple[str, ...]:

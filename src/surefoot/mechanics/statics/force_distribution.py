@@ -94,6 +94,9 @@ class ForceDistributor(Remembering):
     ((4, 3), 'solved')
     """
 
+    def __repr__(self) -> str:
+        return f"ForceDistributor(contacts={self._forces_shape[0]}, status={self.status.value!r})"
+
     MEMORY = ("work", "_bounds", "_code", "_rows")
 
     def __init__(

@@ -9,13 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, finite_array
+from surefoot.base.drawn import Drawn
+from surefoot.base.errors import count_of
 from surefoot.mechanics.statics.polygons import hull, intersection
 
 _TINY = 1e-300
 
 
 @dataclass(eq=False, repr=False)
-class Region:
+class Region(Drawn):
     """A convex region between an inner and an outer polygon.
 
     Attributes
@@ -53,6 +55,12 @@ class Region:
         if self.empty:
             return "Region(empty)" if self.gap == 0.0 else "Region(undecided)"
         return f"Region(area={self.area:.4g} m^2, gap={self.gap:.2g} m, {len(self.inner)} corners)"
+
+    def __str__(self) -> str:
+        if self.empty:
+            return "The region is empty." if self.gap == 0.0 else "Undecided: no point of it is certain."
+        known = f"known to {1e3 * self.gap:.2g} mm"
+        return f"A region of {1e4 * self.area:.0f} cm² with {count_of(len(self.inner), 'corner')}, {known}."
 
     @property
     def empty(self) -> bool:

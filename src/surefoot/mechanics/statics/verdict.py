@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, finite_array
-from surefoot.base.errors import ProblemError
+from surefoot.base.drawn import Drawn
+from surefoot.base.errors import ProblemError, count_of
 from surefoot.contact import Fit
 from surefoot.mechanics.stance import Stance
 from surefoot.mechanics.statics.limits import ForceLimits, Question, equations
@@ -22,7 +23,7 @@ _MOST = 1e6
 
 
 @dataclass(eq=False, repr=False, slots=True)
-class Verdict:
+class Verdict(Drawn):
     """Whether a stance can give a wrench, with a proof either way; truthy when it can.
 
     Attributes
@@ -109,6 +110,16 @@ class Verdict:
 
     def __repr__(self) -> str:
         return f"Verdict({self.status}, margin={self.margin:.3g} N, {len(self.stance)} contacts)"
+
+    def __str__(self) -> str:
+        if self.feasible:
+            spare = "no end" if math.isinf(self.margin) else f"{self.margin:.3g} N"
+            count = count_of(len(self.stance), "contact")
+            return f"It can stand: {count}, {spare} to spare until one slips or lifts."
+        if self.status == "undecided":
+            return "Undecided: rounding leaves neither forces nor a proof that there are none."
+        bounds = f"; bounds in the way: {', '.join(self.limiting[:4])}" if self.limiting else ""
+        return f"It cannot stand: no forces in the friction cones give the load{bounds}. Proof: .certificate."
 
     @property
     def limiting(self) -> tuple[str, ...]:

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import BoolArray, FloatArray, finite_array, of_kind, real_number
-from surefoot.base.errors import ProblemError, check_name
+from surefoot.base.drawn import Drawn
+from surefoot.base.errors import ProblemError, check_name, count_of
 from surefoot.contact import Fit, FrictionPyramid, Method, RayCone
 from surefoot.contact import most_rows as most_rows_of
 from surefoot.mechanics.stance import Stance
@@ -111,7 +112,7 @@ def wrench_cone(
     return RayCone(np.vstack(rays), method, real_number("most_rows", most_rows))
 
 
-class StanceCone:
+class StanceCone(Drawn):
     """All wrenches of a stance's contacts, their friction cones exact.
 
     Parameters
@@ -136,6 +137,9 @@ class StanceCone:
 
     def __repr__(self) -> str:
         return f"StanceCone({self.stance!r})"
+
+    def __str__(self) -> str:
+        return f"All wrenches that {count_of(len(self.stance), 'contact')} can give, friction cones exact."
 
     def margin(self, wrench: ArrayLike) -> FloatArray:
         """Return the margin of wrenches (..., 6) as `can_stand` has it: (...) [N].

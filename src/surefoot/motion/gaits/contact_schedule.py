@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.drawn import Drawn
 from surefoot.base.memory import Remembering
 
 SAME_TIME = 1e-9
 """Events closer than this are one event [s]."""
 
 
-class ContactSchedule(Remembering, ABC):
+class ContactSchedule(Drawn, Remembering, ABC):
     """When each foot carries: what a walk asks of any gait.
 
     A schedule that changes calls `_forget_phases`. One that follows the speed writes `follow`, `hold`,

@@ -180,6 +180,10 @@ class Gait(_ModeTable):
     def __repr__(self) -> str:
         return f"Gait({self.name!r}, period={self.period:g}, modes={self.modes.tolist()})"
 
+    def __str__(self) -> str:
+        shares = ", ".join(f"{100.0 * share:.0f}" for share in self.duty)
+        return f"{self.name}: {self.feet} feet, period {self.period:.3g} s, on the ground {shares} % of it."
+
     @property
     def switching(self) -> FloatArray:
         """(m + 1,) times at which the mode changes, from 0 to the period [s]."""

@@ -67,7 +67,7 @@ class PlanSearch:
     stopped: Status = Status.STALLED
 
 
-@dataclass
+@dataclass(repr=False)
 class Plan(Log):
     """A motion with its forces, as a log; one row per knot.
 
@@ -95,6 +95,14 @@ class Plan(Log):
 
     robot: Robot | None = field(default=None, repr=False, compare=False)
     terrain: Terrain | None = field(default=None, repr=False, compare=False)
+
+    def __repr__(self) -> str:
+        return f"Plan({self.task!r}, {self.status.name}, {len(self)} knots, method={self.method!r})"
+
+    def __str__(self) -> str:
+        laws = f"its laws hold to {self.law_residual:.0e}"
+        size = f"{len(self)} knots, {self.duration:.3g} s"
+        return f"Plan of {self.task!r} by {self.method}: {self.status.name}, {size}; {laws}."
 
     @property
     def status(self) -> Status:

@@ -6,6 +6,7 @@ from collections import Counter
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal, TypeAlias
 
+from surefoot.base.drawn import Drawn
 from surefoot.base.errors import SurefootError
 from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.audit.story.told import Cause, Story
@@ -139,8 +140,8 @@ class FrictionInterval:
         return f"{self.low:.2f}" if self.high - self.low < 0.005 else f"{self.low:.2f} to {self.high:.2f}"
 
 
-@dataclass(frozen=True)
-class AuditReport:
+@dataclass(frozen=True, repr=False)
+class AuditReport(Drawn):
     """The whole audit of a log.
 
     Attributes
@@ -210,6 +211,13 @@ class AuditReport:
     limits_broken: tuple[str, ...] = ()
     episodes: tuple[AuditReport, ...] = ()
     load_doubt: str = ""
+
+    def __repr__(self) -> str:
+        count = len(self.violations) + sum(self.more.values())
+        return (
+            f"AuditReport({self.verdict!r}, {count} violations, {len(self.symptoms)} symptoms, "
+            f"task={self.task!r}, {self.rows} rows)"
+        )
 
     def __str__(self) -> str:
         physics = self._physics

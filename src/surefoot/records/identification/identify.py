@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray, whole_number
+from surefoot.base.drawn import Drawn
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot
@@ -110,8 +111,8 @@ class BodyFit(NamedTuple):
         return flying_frames(tosses, places, self.plane, self.body.width)
 
 
-@dataclass(frozen=True)
-class TossFit:
+@dataclass(frozen=True, repr=False)
+class TossFit(Drawn):
     """What `identify` found.
 
     Attributes
@@ -149,6 +150,19 @@ class TossFit:
     evaluations: float
     seconds: float
     notes: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        tosses = len(self.train.position)
+        return f"TossFit({self.model!r}, {len(self.parameters)} parameters, {tosses} tosses)"
+
+    def __str__(self) -> str:
+        own = self.train if self.test is None else self.test
+        seen = "fitted to" if self.test is None else "not seen"
+        errors = f"{own.position.mean():.3g} widths and {own.rotation.mean():.3g} deg"
+        names = ", ".join([*self.parameters][:12])
+        return (
+            f"{self.model}: mean errors {errors} on {len(own.position)} tosses {seen}; parameters: {names}."
+        )
 
     def __getitem__(self, name: str) -> Estimate:
         return self.parameters[name]

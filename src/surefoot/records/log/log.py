@@ -12,11 +12,15 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import of_kind
-from surefoot.base.errors import ProblemError, check_name, shown
+from surefoot.base.drawn import Drawn
+from surefoot.base.errors import ProblemError, check_name, count_of, shown
 from surefoot.base.text_files import path_of
 from surefoot.records.log.channels import CHANNELS, Channel, check_shapes
 from surefoot.records.log.facts import FACTS, facts_of_rows, facts_of_selection
 from surefoot.records.log.formats import write_log
+
+_SHOWN = 8
+"""Channels that the sentence about a log names."""
 
 
 class Ending(StrEnum):
@@ -36,8 +40,8 @@ class Ending(StrEnum):
     """The log could not be written."""
 
 
-@dataclass
-class Log:
+@dataclass(repr=False)
+class Log(Drawn):
     """Channels over time and facts about the run; also what an interrupted run leaves.
 
     Attributes
@@ -88,6 +92,24 @@ class Log:
 
     def __len__(self) -> int:
         return len(self.arrays["time"])
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({len(self)} rows, {len(self.arrays)} channels, {self.duration:.4g} s)"
+
+    def __str__(self) -> str:
+        who = f" of {shown(self.facts['robot']).strip(chr(39))}" if "robot" in self.facts else ""
+        rate = f" at {(len(self) - 1) / self.duration:.4g} Hz" if self.duration > 0.0 else ""
+        end = f"; it ended: {self.facts['outcome']}" if "outcome" in self.facts else ""
+        doubts = f"; doubts: {len(self.doubts)}, see .doubts" if self.doubts else ""
+        more = f" and {len(self.arrays) - _SHOWN} more" if len(self.arrays) > _SHOWN else ""
+        channels = ", ".join([*self][:_SHOWN]) + more
+        rows = f"{self.duration:.4g} s, {count_of(len(self), 'row')}{rate}"
+        return f"Log{who}: {rows}{end}{doubts}. Channels: {channels}."
+
+    @property
+    def duration(self) -> float:
+        """Time from the first row to the last [s]."""
+        return float(self["time"][-1] - self["time"][0]) if len(self) else 0.0
 
     def fact(self, name: str) -> Any:
         """Return a fact that cannot be done without, as `FACTS` defines it.

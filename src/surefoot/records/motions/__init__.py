@@ -1,1 +1,1 @@
-"""Motion references: reading what people retarget, and whether the ground could give the forces that they need."""
+"""Motion references: configurations over time that people retarget and would have a robot track."""

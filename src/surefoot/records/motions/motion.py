@@ -20,8 +20,8 @@ class Motion:
     robot
         The robot whose configurations these are.
     q
-        (T, nq) Pinocchio's configurations: base position [m] in world axes, base quaternion (x, y, z, w), joints
-        [rad] in the robot's order.
+        (T, nq) Pinocchio's configurations: base position [m] in world axes, base quaternion (x, y, z, w),
+        joints [rad] in the robot's order.
     rate
         Frames per second [Hz].
     name
@@ -35,7 +35,7 @@ class Motion:
     notes
         What was guessed and what is doubtful, a line each.
     extra
-        Other arrays of the file under their own names (contact masks, positions of links), as they stand there.
+        Other arrays of the file under their own names (contact masks, positions of links), unchanged.
     """
 
     robot: Robot

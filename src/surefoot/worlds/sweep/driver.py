@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from surefoot.base.arrays import of_kind, whole_number
+from surefoot.base.drawn import Drawn
 from surefoot.base.errors import ProblemError
 from surefoot.worlds.sweep.config import SweepConfig
 from surefoot.worlds.sweep.pools import Chunk, Pool, check_backend
@@ -27,8 +28,8 @@ WRITE_EVERY = 1.0
 """Time between two writings of rows [s]: what a kill can cost."""
 
 
-@dataclass(frozen=True)
-class SweepResult:
+@dataclass(frozen=True, repr=False)
+class SweepResult(Drawn):
     """What a sweep came to.
 
     Attributes
@@ -54,6 +55,14 @@ class SweepResult:
     resumed: int
     lost_workers: int
     wall_time: float
+
+    def __repr__(self) -> str:
+        return f"SweepResult({self.config.name!r}, {self.table.num_rows} rows, {str(self.path)!r})"
+
+    def __str__(self) -> str:
+        before = f", {self.resumed} of them from before" if self.resumed else ""
+        lost = f"; {self.lost_workers} workers died" if self.lost_workers else ""
+        return f"Sweep {self.config.name!r}: {self.table.num_rows} rows{before}{lost}; in {self.path}."
 
 
 def run_sweep(
