@@ -19,8 +19,8 @@ from surefoot.base.drawn import Drawn
 from surefoot.base.errors import MissingExtra, ProblemError
 from surefoot.motion.planning.plan import PlanSearch, plan_from
 from surefoot.records.audit.report import AuditReport
-from surefoot.records.identification.identify import TossFit
 from surefoot.records.identification.toss_errors import TossErrors
+from surefoot.records.identification.toss_fit import TossFit
 from surefoot.worlds.sweep import SweepResult, sweep_from_dict
 
 

@@ -82,7 +82,7 @@ def test_forces_of_a_stance_carry_its_weight(drawn: list[Any], tmp_path: Path) -
     verdict = can_stand(asked.stance, asked.com, MASS)
     draw_check(asked, verdict, "possible: it stands", tmp_path / "stance.png")
     space, above = drawn[0].axes
-    said = [re.fullmatch(r"(\d+) N", text.get_text()) for text in space.texts]
+    said = [re.fullmatch(r"(\d+) N, \d+ %", text.get_text()) for text in space.texts]
     forces = [float(one[1]) for one in said if one is not None]
     assert len(forces) == 4
     # lengths of forces, each rounded to a newton: together they are the weight and what pulls sideways

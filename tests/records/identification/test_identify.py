@@ -12,11 +12,12 @@ from benchmarks.problems.tosses import ELBOW, POSITION_NOISE, ROTATION_NOISE, ra
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
 from surefoot.records.identification.ground_plane import GroundPlane, GroundPoints, ground_points
-from surefoot.records.identification.identify import TossFit, identify
+from surefoot.records.identification.identify import identify
 from surefoot.records.identification.relevel_tosses import find_levelled
 from surefoot.records.identification.thrown_body import TossParameter, cube_body, thrown_body
 from surefoot.records.identification.thrown_body_tree import sphere_places
 from surefoot.records.identification.toss_errors import paired_difference, resample, toss_errors
+from surefoot.records.identification.toss_fit import TossFit
 from surefoot.records.identification.toss_impacts import first_impacts
 from surefoot.records.identification.toss_model import ThrownModel, TossScene
 from surefoot.records.identification.toss_search import search

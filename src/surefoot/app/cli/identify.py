@@ -22,7 +22,7 @@ from surefoot.base.errors import ProblemError, check_name
 if TYPE_CHECKING:  # the other commands need no compiled code
     from rich.console import Console
 
-    from surefoot.records.identification.identify import TossFit
+    from surefoot.records.identification.toss_fit import TossFit
     from surefoot.records.identification.tosses import Tosses
 
 EXPECTED = 80.0

@@ -15,7 +15,7 @@ from surefoot.base.errors import ProblemError, check_name, shown
 VIZ = "surefoot.app.viz"
 
 
-class Drawing(NamedTuple):
+class PictureKind(NamedTuple):
     """How one class of answers is drawn.
 
     Attributes
@@ -38,29 +38,29 @@ class Drawing(NamedTuple):
 
 
 DRAWINGS = {
-    "contact.FrictionCone": Drawing("cone_drawings:draw_friction_cone", (4.6, 4.4), space=True),
-    "contact.FrictionPyramid": Drawing("cone_drawings:draw_friction_pyramid", (4.6, 4.4), space=True),
-    "contact.PolyhedralCone": Drawing("cone_drawings:draw_polyhedral_cone", (4.8, 4.4)),
-    "contact.Sole": Drawing("cone_drawings:draw_sole", (6.0, 3.8)),
-    "contact.ContactProblem": Drawing("contact_drawings:draw_problem", (5.2, 4.4)),
-    "contact.Certified": Drawing("contact_drawings:draw_forces", (4.8, 4.6)),
-    "contact.BatchSolution": Drawing("contact_drawings:draw_batch", (6.0, 3.6)),
-    "mechanics.Robot": Drawing("stance_plots:draw_robot", (5.2, 4.8), space=True),
-    "mechanics.Stance": Drawing("stance_plots:draw_stance", (5.2, 4.8), space=True),
-    "mechanics.Verdict": Drawing("stance_plots:draw_verdict", (5.6, 5.0), space=True),
-    "mechanics.Region": Drawing("stance_plots:draw_region", (5.0, 4.4)),
-    "mechanics.StanceCone": Drawing("cone_drawings:draw_stance_cone", (4.8, 4.4)),
-    "motion.ContactSchedule": Drawing("gait_drawings:draw_gait", (6.4, 2.4)),
-    "motion.Plan": Drawing("plan_plots:draw_phases", (7.0, 2.8)),
-    "records.Log": Drawing("log_drawings:draw_log", (8.0, 6.4), panels=True),
-    "records.AuditReport": Drawing("story_plots:draw_panels_of_story", (9.0, 7.0), panels=True),
-    "records.TossFit": Drawing("toss_plots:draw_fit", (5.6, 3.8)),
-    "worlds.SweepResult": Drawing("sweep_plots:draw_survival", (9.0, 5.4), panels=True),
+    "contact.FrictionCone": PictureKind("cone_drawings:draw_friction_cone", (4.6, 4.4), space=True),
+    "contact.FrictionPyramid": PictureKind("cone_drawings:draw_friction_pyramid", (4.6, 4.4), space=True),
+    "contact.PolyhedralCone": PictureKind("cone_drawings:draw_polyhedral_cone", (4.8, 4.4)),
+    "contact.Sole": PictureKind("cone_drawings:draw_sole", (6.0, 3.8)),
+    "contact.ContactProblem": PictureKind("contact_drawings:draw_problem", (5.2, 4.4)),
+    "contact.Certified": PictureKind("contact_drawings:draw_forces", (4.8, 4.6)),
+    "contact.BatchSolution": PictureKind("contact_drawings:draw_batch", (6.0, 3.6)),
+    "mechanics.Robot": PictureKind("stance_plots:draw_robot", (5.2, 4.8), space=True),
+    "mechanics.Stance": PictureKind("stance_plots:draw_stance", (5.2, 4.8), space=True),
+    "mechanics.Verdict": PictureKind("stance_plots:draw_verdict", (5.6, 5.0), space=True),
+    "mechanics.Region": PictureKind("stance_plots:draw_region", (5.0, 4.4)),
+    "mechanics.StanceCone": PictureKind("cone_drawings:draw_stance_cone", (4.8, 4.4)),
+    "motion.ContactSchedule": PictureKind("gait_drawings:draw_gait", (6.4, 2.4)),
+    "motion.Plan": PictureKind("plan_plots:draw_phases", (7.0, 2.8)),
+    "records.Log": PictureKind("log_drawings:draw_log", (8.0, 6.4), panels=True),
+    "records.AuditReport": PictureKind("story_plots:draw_panels_of_story", (9.0, 7.0), panels=True),
+    "records.TossFit": PictureKind("toss_plots:draw_fit", (5.6, 3.8)),
+    "worlds.SweepResult": PictureKind("sweep_plots:draw_survival", (9.0, 5.4), panels=True),
 }
 """Wing and class to its drawing; derived classes are drawn as the nearest class that has one."""
 
 
-def drawing_of(answer: object) -> Drawing:
+def drawing_of(answer: object) -> PictureKind:
     """Return how an answer is drawn.
 
     Raises
@@ -110,7 +110,7 @@ def figure_of(answer: Any, **options: Any) -> Any:
     return figure
 
 
-def _compose(answer: Any, drawing: Drawing, figure: Any, options: dict[str, Any]) -> Any:
+def _compose(answer: Any, drawing: PictureKind, figure: Any, options: dict[str, Any]) -> Any:
     """Draw into an empty figure and return its axes, an array of them for a picture of several panels."""
     import numpy as np
 
@@ -124,7 +124,7 @@ def _compose(answer: Any, drawing: Drawing, figure: Any, options: dict[str, Any]
     return axes
 
 
-def _function(drawing: Drawing, options: dict[str, Any]) -> Callable[..., None]:
+def _function(drawing: PictureKind, options: dict[str, Any]) -> Callable[..., None]:
     """Return a drawing's function, or refuse options that it does not have."""
     function: Callable[..., None] = resolve_name(f"{VIZ}.{drawing.function}")
     known = [*inspect.signature(function).parameters][2:]

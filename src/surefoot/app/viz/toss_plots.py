@@ -13,9 +13,9 @@ from surefoot.app.viz.shapes import along_path
 from surefoot.app.viz.style import FOOT_COLOURS, GROUND, INK, MUTED, new_figure, save
 from surefoot.base.arrays import FloatArray
 from surefoot.records import ThrownBody
-from surefoot.records.identification.identify import TossFit
 from surefoot.records.identification.thrown_body_tree import sphere_places
 from surefoot.records.identification.toss_errors import TossErrors
+from surefoot.records.identification.toss_fit import TossFit
 from surefoot.records.identification.tosses import Tosses
 
 SHOWN = 6

@@ -34,7 +34,7 @@ from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Actuators, Robot, real_actuators, surface_frames
 from surefoot.records.identification.friction_tracker import SLIDING_SPEED, SUSTAINED
-from surefoot.records.identification.identify import Estimate
+from surefoot.records.identification.toss_fit import Estimate
 from surefoot.records.log import Log
 
 START, LONGEST, SHORTEST = 0.2, 20.0, 2.0

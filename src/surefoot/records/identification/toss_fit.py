@@ -1,0 +1,136 @@
+"""What `identify` finds: numbers with intervals, the body and its surroundings, the errors of the tosses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.base.drawn import Drawn
+from surefoot.records.identification.ground_plane import GroundPlane
+from surefoot.records.identification.relevel_tosses import Levelling
+from surefoot.records.identification.thrown_body import ThrownBody
+from surefoot.records.identification.thrown_body_tree import sphere_places
+from surefoot.records.identification.toss_errors import TossErrors
+from surefoot.records.identification.toss_impacts import ImpactFit
+from surefoot.records.identification.toss_model import TossScene
+from surefoot.records.identification.toss_start import TossFlight, flying_frames
+from surefoot.records.identification.tosses import Tosses
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A fitted number and its 95 % interval, in `unit`."""
+
+    value: float
+    low: float
+    high: float
+    unit: str = ""
+
+
+class BodyFit(NamedTuple):
+    """What is known before a law is chosen: the body, the ground, gravity, and how their numbers spread.
+
+    Attributes
+    ----------
+    body
+        As identified.
+    plane, gravity
+        The ground, and [m/s²].
+    parameters
+        Those of the body and its surroundings, by name.
+    flight
+        The first states.
+    values
+        Of everything that was fitted on the way, the first law and the ground's slopes too, by name.
+    draws
+        (S,) what the bootstrap samples say of the same but the law, by name.
+    nominal
+        The body before it was fitted.
+    levelled
+        How the tosses stood before they were levelled one by one; None if they were not.
+    notes
+        A line each.
+    """
+
+    body: ThrownBody
+    plane: GroundPlane
+    gravity: float
+    parameters: dict[str, Estimate]
+    flight: TossFlight
+    values: dict[str, float]
+    draws: dict[str, FloatArray]
+    nominal: ThrownBody
+    levelled: Levelling | None
+    notes: tuple[str, ...]
+
+    def scene(self, tosses: Tosses) -> TossScene:
+        """Return the scene of tosses, these or others of the same body on the same ground."""
+        flight = TossFlight(tosses, self.before(tosses), self.body.tree, self.gravity)
+        return TossScene(flight.starts, tosses.frames, tosses.dt, self.plane, self.gravity, self.body)
+
+    def upright(self, tosses: Tosses) -> Tosses:
+        """Return tosses in the axes of the scene, which are their own unless they were levelled."""
+        return tosses if self.levelled is None else self.levelled.upright(tosses)
+
+    def before(self, tosses: Tosses) -> IntArray:
+        """Return (B,) the frames before the first touch."""
+        places = sphere_places(self.body.tree, tosses.poses)
+        return flying_frames(tosses, places, self.plane, self.body.width)
+
+
+@dataclass(frozen=True, repr=False)
+class TossFit(Drawn):
+    """What `identify` found.
+
+    Attributes
+    ----------
+    model
+        Name of the contact law or simulator.
+    parameters
+        By name: those of the law, then of the body, ground [m], tilt_x and tilt_y [deg], gravity [m/s²].
+    train, test
+        Errors on the tosses it was fitted to, and on the others (None without any).
+    train_poses, test_poses
+        (N, nq) the simulated poses behind them, in the axes of `found`.
+    found
+        The body and its surroundings.
+    impacts
+        Errors in first impacts, of the test where there is one; None where few are over at once.
+    position_noise, rotation_noise
+        Standard deviations of a recorded coordinate [m] and angle [rad], from free flight.
+    evaluations, seconds
+        How often all tosses were simulated [-], and how long the fit took [s].
+    notes
+        What to know about the result, a line each.
+    """
+
+    model: str
+    parameters: dict[str, Estimate]
+    train: TossErrors
+    test: TossErrors | None
+    train_poses: FloatArray
+    test_poses: FloatArray | None
+    found: BodyFit
+    impacts: ImpactFit | None
+    position_noise: float
+    rotation_noise: float
+    evaluations: float
+    seconds: float
+    notes: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        tosses = len(self.train.position)
+        return f"TossFit({self.model!r}, {len(self.parameters)} parameters, {tosses} tosses)"
+
+    def __str__(self) -> str:
+        own = self.train if self.test is None else self.test
+        seen = "fitted to" if self.test is None else "not seen"
+        errors = f"{own.position.mean():.3g} widths and {own.rotation.mean():.3g} deg"
+        names = ", ".join([*self.parameters][:12])
+        return (
+            f"{self.model}: mean errors {errors} on {len(own.position)} tosses {seen}; parameters: {names}."
+        )
+
+    def __getitem__(self, name: str) -> Estimate:
+        return self.parameters[name]
