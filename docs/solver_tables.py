@@ -233,7 +233,7 @@ TABLES = {
     "horizons": Table(WALK, "mpc.md", SCENES, speed_tables.horizons),
     "steps": Table(WALK, "walking.md", ("robot", "call", "median / 99 % [µs]"), speed_tables.steps),
     "readme": Table(
-        "; ".join((FORCES, STATICS, CONTACT, WALK, STAND)), "../README.md",
+        "; ".join((FORCES, STATICS, CONTACT, WALK, STAND)), "speed.md",
         ("question", "Surefoot, exact cones, median [µs]", "rivals", "command"), readme,
     ),
 }  # fmt: skip

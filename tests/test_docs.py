@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import doctest
+import json
+import re
 import runpy
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from docs import front_page
+
 ROOT = Path(__file__).resolve().parents[1]
+BLOCK = re.compile(r"```python\n(.*?)```", re.DOTALL)
 CHECK = runpy.run_path(str(ROOT / "docs" / "check.py"), run_name="check")
 
 
@@ -65,10 +70,43 @@ def test_the_index_leads_to_four_shelves_and_not_to_lists() -> None:
 
 
 def test_the_first_screen_of_the_readme() -> None:
-    first = "\n".join((ROOT / "README.md").read_text().splitlines()[:22])
+    first = "\n".join((ROOT / "README.md").read_text().splitlines()[:40])
+    assert "pip install" in first
     assert "make stand" in first
     assert "make test" in first
     assert "docs/images/pushed.webp" in first
+    program = BLOCK.findall(first)[-1]
+    assert len(program.strip().splitlines()) <= 10
+    assert program.rstrip().endswith('sf.picture(verdict, "verdict.png")')
+
+
+def test_the_front_page_is_short() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    lines = text.splitlines()
+    assert len(lines) <= 150
+    assert max(map(len, lines)) <= 100
+    assert len(text.split()) <= 700
+    cells = [cell.strip() for line in lines if line.startswith("|") for cell in line.split("|")]
+    assert max(map(len, cells)) <= 40
+
+
+def test_what_the_front_page_makes_is_up_to_date(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert front_page.main(["--check"]) == 0, "run python -m docs.front_page"
+    bars = front_page.groups(json.loads(front_page.TABLE.read_text(encoding="utf-8"))["rows"])
+    assert len(bars) == 4
+    for group in bars.values():
+        assert [bar.ours for bar in group] == [True] + [False] * (len(group) - 1)
+        assert len(group) >= 3
+    page = tmp_path / "README.md"
+    page.write_text((ROOT / "README.md").read_text())
+    monkeypatch.setattr(front_page, "README", page)
+    monkeypatch.setattr(front_page, "RELEASED", True)
+    assert front_page.main(["--check"]) == 1
+    assert "README.md is old" in capsys.readouterr().out
+    front_page.main([])
+    assert "pip install 'surefoot[all]'" in page.read_text()
 
 
 def test_the_picture_of_the_rooms_is_up_to_date() -> None:

@@ -28,14 +28,23 @@ def test_the_page_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
             solvers.registry().pop(added)
 
 
-def test_the_program_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("mujoco", reason="the README's program is of `surefoot[all]`")
+def test_the_program_of_the_front_page_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its comment says what is printed, and its picture is there."""
+    monkeypatch.chdir(tmp_path)
+    (block,) = blocks("../README.md")
+    names = run_page("../README.md")
+    assert f"print(verdict)  # {names['verdict']}" in block
+    assert (tmp_path / "verdict.png").stat().st_size > 20_000
+
+
+def test_the_program_of_the_tour_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("mujoco", reason="the tour is of `surefoot[all]`")
     monkeypatch.chdir(tmp_path)
 
     def without_the_plan(block: str) -> str:
         return "\n".join(line for line in block.splitlines() if "sf.plan(" not in line)  # half a minute
 
-    names = run_page("../README.md", edit=without_the_plan)
+    names = run_page("tour.md", edit=without_the_plan)
     assert names["solution"].status.name == "SOLVED"
     assert names["log"].fact("outcome") == "done"
     assert len(names["batch"].status) == 100

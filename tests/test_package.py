@@ -82,3 +82,11 @@ def test_there_are_110_names_at_most_and_each_is_shown() -> None:
     print(f"\n{len(names)} public names")
     assert len(names) <= 110
     assert names <= shown, f"nobody sees {sorted(names - shown)}"
+
+
+def test_the_packages_docstring_lists_every_name_once_under_five_verbs() -> None:
+    text = (sf.__doc__ or "").partition("By what one does with them:")[2]
+    sections = re.findall(r"^(\w+)\n((?:    .*\n?)+)", text, re.MULTILINE)
+    assert [name for name, _ in sections] == ["Constrain", "Solve", "Check", "Walk", "Look"]
+    names = [name for _, body in sections for name in re.findall(r"\w+", body)]
+    assert sorted(names) == sorted({*sf.__all__} - {"__version__"})
