@@ -67,13 +67,16 @@ test-mujoco: setup ## the tests of MuJoCo's loops and worlds with the oldest MuJ
 test-release: setup ## build the wheel and install it with every extra in clean environments (gigabytes)
 	SUREFOOT_RELEASE=1 $(BIN)/python -m pytest -q tests/test_release.py
 
+# QUICK=--quick takes a small sample and leaves the docs' tables as they are
 bench: setup ## every benchmark, one after the other; sets the docs' measured tables anew
-	$(BIN)/python -m docs.tables
-	$(BIN)/surefoot bench forces --out runs
-	$(BIN)/surefoot bench contact --out runs
-	$(BIN)/surefoot bench contact --scale large --out runs
-	$(BIN)/surefoot bench walk --out runs
-	$(BIN)/surefoot bench faults --out runs
+	$(if $(QUICK),,$(BIN)/python -m docs.tables)
+	$(BIN)/surefoot bench forces $(QUICK)
+	$(BIN)/surefoot bench statics $(QUICK)
+	$(BIN)/surefoot bench contact $(QUICK) --out runs
+	$(BIN)/surefoot bench contact --scale large $(QUICK) --out runs
+	$(BIN)/surefoot bench contact --sequences $(QUICK) --out runs
+	$(BIN)/surefoot bench walk $(QUICK)
+	$(BIN)/surefoot bench faults $(QUICK) --out runs
 
 docs: setup ## the documentation site in docs/build/html: every page run, every link and shown command checked
 	$(INSTALL) --quiet -e '.[docs]'

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import re
+import runpy
+import shlex
 import shutil
 import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -45,6 +48,26 @@ def test_standing_installs_what_standing_needs() -> None:
 
 def test_nothing_is_installed_in_silence() -> None:
     assert [line for line in planned("stand") if "pip install" in line and "quiet" not in line]
+
+
+def bench_commands() -> list[list[str]]:
+    lines = planned("bench", "QUICK=--quick")
+    return [shlex.split(line)[1:] for line in lines if "/bin/surefoot" in line.split(" ")[0]]
+
+
+def test_the_benches_of_make_are_commands() -> None:
+    parse = runpy.run_path(str(ROOT / "docs" / "check.py"), run_name="check")["parse"]
+    assert len(bench_commands()) >= 7
+    assert [parse(words) for words in bench_commands()] == [None] * len(bench_commands())
+    assert not any("docs.tables" in line for line in planned("bench", "QUICK=--quick"))
+    assert any("docs.tables" in line for line in planned("bench"))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("words", bench_commands(), ids=" ".join)
+def test_the_benches_of_make_run(words: list[str], tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "surefoot", *words]
+    assert subprocess.run(command, cwd=tmp_path, capture_output=True, check=False).returncode == 0
 
 
 def test_every_test_runs_once() -> None:

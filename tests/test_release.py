@@ -7,6 +7,7 @@ test-release` does that, the suite leaves it out.
 from __future__ import annotations
 
 import os
+import runpy
 import subprocess
 import sys
 import tarfile
@@ -65,6 +66,7 @@ def test_the_wheel_holds_the_package_and_nothing_else(wheel: Path) -> None:
         if p.is_file() and "__pycache__" not in p.parts
     }
     assert kept <= names
+    assert "surefoot/examples/stances/chimney.yaml" in names
     assert all(n.startswith(("surefoot/", "surefoot-")) for n in names)
     assert "surefoot/py.typed" in names
     assert any(n.endswith("licenses/LICENSE") for n in names)
@@ -83,6 +85,36 @@ def test_the_wheel_works_away_from_the_checkout(wheel: Path, tmp_path: Path) -> 
     assert str(tmp_path) in python("-c", "import surefoot; print(surefoot.__file__)")
     assert python("-m", "surefoot", "--version").strip() == f"surefoot {surefoot.__version__}"
     assert str(tmp_path) in python("-c", TRY)
+
+
+def test_the_examples_of_a_wheel_are_copied_and_run(wheel: Path, tmp_path: Path) -> None:
+    zipfile.ZipFile(wheel).extractall(tmp_path / "site")
+    env = {**os.environ, "PYTHONPATH": str(tmp_path / "site")}
+
+    def surefoot_command(*words: str) -> str:
+        command = [sys.executable, "-m", "surefoot", *words]
+        return subprocess.run(
+            command, cwd=tmp_path, env=env, capture_output=True, text=True, check=True
+        ).stdout
+
+    assert "chimney.yaml" in surefoot_command("examples")
+    assert "possible" in surefoot_command("check", "examples/stances/chimney.yaml", "--no-picture")
+
+
+def test_what_the_index_is_told(wheel: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The README as it is until the repository has an address, then with links that lead there."""
+    told = zipfile.ZipFile(wheel).read(next(n for n in files_of(wheel) if n.endswith("METADATA"))).decode()
+    assert "Description-Content-Type: text/markdown" in told
+    assert (ROOT / "README.md").read_text(encoding="utf-8") in told
+    hook = runpy.run_path(str(ROOT / "hatch_build.py"))
+    text = '[a](docs/a.md#b) [c](https://x.org) <img src="docs/i.png" alt=""> ![d](docs/d.svg) [e](#e)'
+    assert hook["with_absolute_links"](text, "https://h.org/s/") == (
+        "[a](https://h.org/s/blob/main/docs/a.md#b) [c](https://x.org) "
+        '<img src="https://h.org/s/raw/main/docs/i.png" alt=""> ![d](https://h.org/s/raw/main/docs/d.svg) [e](#e)'
+    )
+    metadata: dict[str, object] = {}
+    hook["AddressHook"](str(ROOT), {"home": "https://h.org/s"}).update(metadata)
+    assert metadata["urls"]["Issues"] == "https://h.org/s/issues"  # type: ignore[index]
 
 
 def test_the_source_archive_builds_the_same_wheel(wheel: Path, tmp_path: Path) -> None:

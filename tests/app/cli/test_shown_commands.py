@@ -39,8 +39,9 @@ CHECK = runpy.run_path(str(ROOT / "docs" / "check.py"), run_name="check")
 PAGES = [page for page in CHECK["PAGES"] if page.name not in ("CHANGELOG.md", "CONTRIBUTING.md")]
 SHORT, SHORT_ON_TERRAIN = 3.0, 5.0
 QUICK_PAGES = (
-    "README.md", "tour.md", "first-steps.md", "standing.md", "statics.md", "stance-files.md", "cones.md", "momentum.md",
-    "jacobians.md", "contact-files.md", "contact-sequences.md", "translate.md", "audit.md", "lab.md",
+    "README.md", "tour.md", "first-steps.md", "standing.md", "statics.md", "stance-files.md", "cones.md",
+    "momentum.md", "jacobians.md", "contact-files.md", "contact-sequences.md", "translate.md", "audit.md",
+    "lab.md",
 )  # fmt: skip
 """Pages whose commands take seconds: they run in `make test`, those of the others in `make test-all`."""
 LONG_COMMANDS = ("bench", "plan", "sweep", "walk", "warmup")

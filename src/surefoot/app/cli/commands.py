@@ -36,6 +36,7 @@ COMMANDS: LazyTable[Callable[..., int]] = LazyTable(
         "plan": "surefoot.app.cli.plan:plan",
         "policy": "surefoot.app.cli.policy:policy",
         "export": "surefoot.app.cli.export:export",
+        "examples": "surefoot.app.cli.examples:examples",
         "warmup": "surefoot.app.cli.warmup:warmup",
         "doctor": "surefoot.app.cli.doctor:doctor",
         "lab": "surefoot.app.cli.lab:lab",
