@@ -110,7 +110,8 @@ def test_what_the_index_is_told(wheel: Path, monkeypatch: pytest.MonkeyPatch) ->
     text = '[a](docs/a.md#b) [c](https://x.org) <img src="docs/i.png" alt=""> ![d](docs/d.svg) [e](#e)'
     assert hook["with_absolute_links"](text, "https://h.org/s/") == (
         "[a](https://h.org/s/blob/main/docs/a.md#b) [c](https://x.org) "
-        '<img src="https://h.org/s/raw/main/docs/i.png" alt=""> ![d](https://h.org/s/raw/main/docs/d.svg) [e](#e)'
+        '<img src="https://h.org/s/raw/main/docs/i.png" alt=""> '
+        "![d](https://h.org/s/raw/main/docs/d.svg) [e](#e)"
     )
     metadata: dict[str, object] = {}
     hook["AddressHook"](str(ROOT), {"home": "https://h.org/s"}).update(metadata)

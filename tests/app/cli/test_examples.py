@@ -12,7 +12,7 @@ from surefoot.app.cli.main import main
 
 
 def test_they_are_copied_where_nothing_is(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, answer: Any, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, answer: Any, capfd: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
     facts = answer("examples")
@@ -21,15 +21,15 @@ def test_they_are_copied_where_nothing_is(
     assert not any("__pycache__" in name for name in facts["files"])
     (tmp_path / "examples" / "mine.txt").write_text("mine")
     assert main(["examples"]) == 2
-    assert "examples exists already" in capsys.readouterr().err
+    assert "examples exists already" in capfd.readouterr().err
     assert (tmp_path / "examples" / "mine.txt").read_text() == "mine"
     assert main(["examples", "--out", "more"]) == 0
     assert (tmp_path / "more" / "sweeps" / "drops.yaml").exists()
 
 
 def test_an_installation_without_them_says_so(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(command, "PLACES", (tmp_path,))
     assert main(["examples", "--out", str(tmp_path / "new")]) == 2
-    assert "this installation has no examples" in capsys.readouterr().err
+    assert "this installation has no examples" in capfd.readouterr().err
