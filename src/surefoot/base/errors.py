@@ -155,8 +155,24 @@ def unknown_name(kind: str, name: object, valid: Iterable[str]) -> str:
     >>> unknown_name("gait", "hop", ["trot", "walk"])
     "unknown gait 'hop'; valid names: trot, walk"
     """
-    names = ", ".join(sorted({str(one) for one in valid if one != ""}))
-    return f"unknown {kind} {shown(name)}; valid names: {names or 'none, nothing has a name'}"
+    known = sorted({str(one) for one in valid if one != ""})
+    hint = near_name(name, known)
+    names = ", ".join(known) or "none, nothing has a name"
+    return f"unknown {kind} {shown(name)}{hint}; valid names: {names}"
+
+
+def near_name(name: object, valid: Iterable[str]) -> str:
+    """Return the question that a message asks where a known name is near, in brackets; else nothing.
+
+    >>> near_name("trott", ["trot", "walk"])
+    ' (did you mean trot?)'
+    """
+    import difflib
+
+    known = {str(one).lower(): str(one) for one in valid}
+    asked = name.lower() if isinstance(name, str) else ""
+    found = difflib.get_close_matches(asked, known, n=1, cutoff=0.7)
+    return f" (did you mean {known[found[0]]}?)" if found else ""
 
 
 def shown(value: object) -> str:

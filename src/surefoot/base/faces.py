@@ -31,7 +31,10 @@ def face(package: str, file: str, *own: str) -> tuple[Callable[[str], Any], Call
         if name == "__all__":
             return list(stub()[1])
         if name.startswith("__") or name not in stub()[1]:
-            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+            from surefoot.base.errors import near_name
+
+            hint = near_name(name, stub()[1])
+            raise AttributeError(f"module {package!r} has no attribute {name!r}{hint}", name=name)
         return stub()[0](name)
 
     return load, lambda: sorted(stub()[1])

@@ -13,6 +13,7 @@ from typer.core import TyperGroup
 
 from surefoot import __version__
 from surefoot.app.cli.typer_command import LiteralHelpCommand, flatten_parameters
+from surefoot.base.errors import near_name
 from surefoot.base.lazy_table import LazyTable
 
 UsageError = cast("type[typer.BadParameter]", typer.BadParameter.__bases__[0])
@@ -81,6 +82,8 @@ class LazyGroup(TyperGroup):
         """Return the command that is called, and its arguments."""
         if args[0] in COMMANDS:
             return args[0], load(args[0]), args[1:]
+        if args[0][:1] != "-" and (hint := near_name(args[0], COMMANDS)):
+            raise UsageError(f"No such command {args[0]!r}{hint}")
         return super().resolve_command(ctx, args)
 
 

@@ -69,10 +69,13 @@ def _print(console: Console, facts: dict[str, Any]) -> None:
         console.print(listed)
     error = facts["fit_error"]
     verb = "gives up" if facts["fit"] == "inner" else "promises too much, by"
-    console.print(
-        f"Against the exact cone it {verb} {100 * error['radial']:.3f} % of the friction in its worst "
-        f"direction and {100 * error['area']:.3f} % of the section's area."
-    )
+    if facts["mu"] == 0.0:
+        console.print("Without friction cone and pyramid are the same: the ray along the normal.")
+    else:
+        console.print(
+            f"Against the exact cone it {verb} {100 * error['radial']:.3f} % of the friction in its worst "
+            f"direction and {100 * error['area']:.3f} % of the section's area."
+        )
     if facts["picture"]:
         console.print(f"Picture: {facts['picture']}", soft_wrap=True)
     say(console, facts["note"])

@@ -67,7 +67,7 @@ class PlanSearch:
     stopped: Status = Status.STALLED
 
 
-@dataclass(repr=False)
+@dataclass(repr=False, eq=False)
 class Plan(Log):
     """A motion with its forces, as a log; one row per knot.
 

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal, TypeAlias
 
 from surefoot.base.drawn import Drawn
-from surefoot.base.errors import SurefootError
+from surefoot.base.errors import SurefootError, count_of
 from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.audit.story.told import Cause, Story
 from surefoot.records.log import Log
@@ -299,7 +299,9 @@ class AuditReport(Drawn):
             rest = "".join(f"; {topic} were not judged" for topic in self.not_judged)
             return f"lawful: all {len(self.judged)} laws that could be judged hold ({span}){rest}{known}"
         if self.verdict == "cannot tell":
-            return f"cannot tell whether it is lawful ({span}): {self.reason}"
+            laws = f"; {count_of(len(self.judged), 'law')} judged, which hold: {', '.join(self.judged)}"
+            some = laws if self.judged else ""
+            return f"cannot tell whether it is lawful ({span}): {self.reason}{some}"
         count = len(self.violations) + sum(self.more.values())
         first = f"{self.symptoms[0]}" if self.symptoms else f"{self.violations[0]}"
         return f"broken: {count} violations of {', '.join(self.laws_broken)} ({span}); first of all {first}"

@@ -33,6 +33,8 @@ ALIASES: dict[str, tuple[str, str]] = {
     "t": ("time", ""),
 }
 """Names of Isaac Lab, MuJoCo, MJX and Brax: the channel, and the axes where they are not the channel's."""
+PER_FOOT = {"mu": "contact_friction", "forces": "foot_sensors"}
+"""Channels that one number a foot (T, feet) is taken for: friction of each, and how hard each presses."""
 WRENCHES = "foot_wrenches"
 """Array that is two channels: forces and contact moments."""
 
@@ -70,7 +72,8 @@ def log_from_arrays(
         An `sf.Sole` a foot, its corners in the axes of that foot's wrench: the audit then judges the whole
         wrench. Friction is the array ``mu`` or ``contact_friction``; the soles' own where there is neither.
     facts
-        ``mass`` and other facts.
+        ``mass`` and other facts; ``mu``, a number or one a contact, is the friction of all rows. A fact that
+        nothing knows is kept, with a doubt.
 
     Raises
     ------
@@ -96,6 +99,7 @@ def log_from_arrays(
     fields, frame_of = _channels(arrays)
     frame_of |= frames
     facts = {**(facts or {}), **_sole_facts(soles, fields)}
+    _take_friction(facts, fields)
     rows = {name: len(array) for name, array in fields.items() if array.ndim}
     if len(set(rows.values())) != 1 or len(rows) != len(fields):
         raise ProblemError(f"arrays must have the same number of rows, got {rows}")
@@ -135,6 +139,8 @@ def _channels(arrays: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]
         if channel in fields:
             raise ProblemError(f"two arrays are the channel {channel}: {', '.join(arrays)}")
         array = _numpy(name, given)
+        if array.ndim == 2:
+            channel = PER_FOOT.get(channel, channel) if array.shape[1] != 3 or channel == "mu" else channel
         wanted = 1 + len(CHANNELS[channel].shape)
         if array.ndim != wanted:
             more = ": pick one environment, array[:, k]" if array.ndim == wanted + 1 else ""
@@ -146,6 +152,25 @@ def _channels(arrays: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]
         if frame:
             frame_of[channel] = frame
     return fields, frame_of
+
+
+def _take_friction(facts: dict[str, Any], fields: dict[str, Any]) -> None:
+    """Make the fact ``mu`` what logs call it: the channel of the ground, or of each contact, at every row."""
+    if "mu" not in facts:
+        return
+    if {"mu", "contact_friction"} & set(fields):
+        raise ProblemError("mu is given as an array and as a fact: give one of them")
+    rows = len(next(iter(fields.values()), ()))
+    given = _numpy("mu", facts.pop("mu"))
+    forces = fields.get("forces")
+    points = forces.shape[1] if forces is not None and forces.ndim == 3 else 0
+    if given.ndim > 1 or (given.ndim == 1 and len(given) != points):
+        wanted = f"a number or one for each of {points} contacts"
+        raise ProblemError(f"the fact mu must be {wanted}, got the shape {given.shape}")
+    if given.ndim:
+        fields["contact_friction"] = np.tile(given, (rows, 1))
+    else:
+        fields["mu"] = np.full(rows, float(given))
 
 
 def _split_wrenches(

@@ -40,7 +40,7 @@ class Ending(StrEnum):
     """The log could not be written."""
 
 
-@dataclass(repr=False)
+@dataclass(repr=False, eq=False)
 class Log(Drawn):
     """Channels over time and facts about the run; also what an interrupted run leaves.
 
@@ -80,7 +80,10 @@ class Log(Drawn):
         self.sizes = check_shapes(self.arrays, given)
         self.channels = {name: given[name] for name in self.arrays}
 
-    def __getitem__(self, name: str) -> Any:
+    def __getitem__(self, name: Any) -> Any:
+        """Return a channel by its name, or the log of rows: a slice, a mask or places, as in `rows`."""
+        if isinstance(name, slice | list | np.ndarray):
+            return self.rows(name)
         check_name("channel", name, self.arrays)
         return self.arrays[name]
 
@@ -92,6 +95,28 @@ class Log(Drawn):
 
     def __len__(self) -> int:
         return len(self.arrays["time"])
+
+    def __eq__(self, other: object) -> bool:
+        """Whether the other has the same arrays to the last bit, NaN included, and the same facts."""
+        if not isinstance(other, Log):
+            return NotImplemented
+        if self.arrays.keys() != other.arrays.keys() or not _same(self.facts, other.facts):
+            return False
+        return all(_same(array, other.arrays[name]) for name, array in self.arrays.items())
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __add__(self, other: object) -> Log:
+        """Return both one after the other, as episodes whose time goes on; pieces of one log as that log.
+
+        Raises
+        ------
+        ProblemError
+            If the two do not have the same channels, sizes and facts.
+        """
+        if not isinstance(other, Log):
+            return NotImplemented
+        return join_logs(self, other)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({len(self)} rows, {len(self.arrays)} channels, {self.duration:.4g} s)"
@@ -204,3 +229,45 @@ def _let_go(array: Any) -> None:
         import mmap
 
         mapped.madvise(mmap.MADV_DONTNEED)
+
+
+def join_logs(first: Log, second: Log) -> Log:
+    """Return two logs of the same channels and facts as one; see `Log.__add__`."""
+    if first.arrays.keys() != second.arrays.keys():
+        apart = sorted(first.arrays.keys() ^ second.arrays.keys())
+        raise ProblemError(f"logs of different channels cannot be joined: only one has {', '.join(apart)}")
+    differ = [name for name in {**first.facts, **second.facts} if not _same_fact(name, first, second)]
+    if differ:
+        raise ProblemError(f"logs of different facts cannot be joined: {', '.join(sorted(differ))}")
+    if not len(first) or not len(second):
+        return first if len(first) else second
+    step = float(np.median(np.diff(first["time"]))) if len(first) > 1 else float(first.facts.get("dt", 0.0))
+    if not step > 0.0:
+        raise ProblemError("logs can be joined where the first has rows at rising times, or the fact dt")
+    later = float(first["time"][-1]) + step - float(second["time"][0])
+    if abs(later) <= 0.5 * step:  # it goes on where the first ends: no new episode
+        return Log(_joined(first, second), first.facts, channels=first.channels)
+    arrays = _joined(first, second)
+    arrays["time"][len(first) :] += later
+    begins = [np.atleast_1d(one.facts.get("episode_rows", [0])).astype(int) for one in (first, second)]
+    facts = first.facts | {"episode_rows": [*begins[0].tolist(), *(len(first) + begins[1]).tolist()]}
+    return Log(arrays, facts, channels=first.channels)
+
+
+def _joined(first: Log, second: Log) -> dict[str, Any]:
+    return {name: np.concatenate([array, second.arrays[name]]) for name, array in first.arrays.items()}
+
+
+def _same_fact(name: str, first: Log, second: Log) -> bool:
+    own = ("episode_rows", "outcome", "doubts")
+    return name in own or _same(first.facts.get(name), second.facts.get(name))
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Return whether two values are equal, arrays in shape and every entry, NaN like NaN."""
+    if isinstance(one, Mapping) and isinstance(other, Mapping):
+        return one.keys() == other.keys() and all(_same(value, other[key]) for key, value in one.items())
+    a, b = np.asarray(one), np.asarray(other)
+    if a.shape != b.shape:
+        return False
+    return bool(np.array_equal(a, b, equal_nan=a.dtype.kind == b.dtype.kind == "f"))

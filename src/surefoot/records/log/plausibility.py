@@ -7,7 +7,9 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
+from surefoot.base.errors import near_name
 from surefoot.base.spatial import GRAVITY, rotation_from_quaternion
+from surefoot.records.log.facts import FACTS
 from surefoot.records.log.log import Log
 
 ROWS = 20_000
@@ -24,7 +26,7 @@ def find_doubts(log: Log) -> list[str]:
     Looks at stamps, missing numbers, angles in degrees, quaternions (norm, order), gravity in the IMU, the
     mean load against m g. A doubt may be wrong; no doubt does not mean that all is right.
     """
-    found = [*_stamps(log), *_missing(log)]
+    found = [*_stamps(log), *_missing(log), *_unknown_facts(log)]
     first = log.rows(slice(0, ROWS))
     for check in CHECKS:
         with np.errstate(all="ignore"):
@@ -51,6 +53,12 @@ def _stamps(log: Log) -> Iterator[str]:
         at = int(np.argmax(steps))
         count = int(holes.sum())
         yield f"rows are missing in {count} places, at most {steps[at]:.3g} s after {time[at]:.6g} s"
+
+
+def _unknown_facts(log: Log) -> Iterator[str]:
+    for name in log.facts:
+        if name not in FACTS and (hint := near_name(name, [*FACTS, "mu"])):
+            yield f"nothing reads the fact {name}{hint}"
 
 
 def _missing(log: Log) -> Iterator[str]:
