@@ -55,7 +55,8 @@ def test_everything_in_the_chapter_has_its_pages() -> None:
         "tables": 7,
         "symptoms": 7,
         "errata": 25,
-        "traps": 15,
+        "traps": 24,
+        "told in running text": 2,
     }
     assert {name: len(CONTENTS[name]) for name in sizes} == sizes
     named = [page for part in CONTENTS.values() for pages_of in part.values() for page in pages_of]
@@ -75,6 +76,8 @@ def test_the_contents_are_the_chapters() -> None:
     ]
     symptoms = text.split("## Troubleshooting")[1].split("##")[0]
     assert [int(n) for n in re.findall(r"^(\d)\. ", symptoms, re.MULTILINE)] == [*CONTENTS["symptoms"]]
+    boxes = text.split("## Traps that it names")[1].split("Also told")[0]
+    assert len(re.findall(r"(?:^| )\d+\. (?=52\.)", boxes, re.MULTILINE)) == len(CONTENTS["traps"])
     derived = text.split("what each derives")[1].split("##")[0]
     shown = {name.split()[0] for name in CONTENTS["sections"]}
     for section in re.findall(r"52\.\d(?:\.\d)?(?= )", derived):
