@@ -13,10 +13,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.numerics.phases import joined_runs
 from surefoot.records.audit.story.control_causes import at_limit
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
-from surefoot.records.audit.story.world_causes import spans
 
 REACH = 0.8
 """Way of the body in a stance, over its height, from which the gait is too slow for the speed."""
@@ -27,7 +27,7 @@ TIPS = 1.6
 def left_the_feet(s: Signals) -> int | None:
     """Return the row from which on the capture point stays outside the feet until the end or a fall."""
     outside = np.nan_to_num(s.capture_outside) > 0.02 * max(s.height, 0.1)
-    long = [(a, b) for a, b in spans(outside, s.rows(0.05)) if (b - a) * s.dt > 0.1]
+    long = [(a, b) for a, b in joined_runs(outside, s.rows(0.05)) if (b - a) * s.dt > 0.1]
     return long[0][0] if long else None
 
 
@@ -35,7 +35,7 @@ def steps(s: Signals) -> list[tuple[int, int]]:
     """Return (row, contact) of every landing of a foot after a swing of 50 ms or more, by time."""
     out = []
     for k in np.flatnonzero(s.is_foot & ~s.on_movable):
-        for start, end in spans(~s.loaded[:, k]):
+        for start, end in joined_runs(~s.loaded[:, k]):
             if start > 0 and end < len(s.time) and (end - start) * s.dt > 0.05:
                 out.append((end, int(k)))
     return sorted(out)
@@ -87,7 +87,7 @@ def _stance(s: Signals, row: int) -> float:
     times = []
     for k in np.flatnonzero(s.is_foot & ~s.on_movable):
         on: BoolArray = s.loaded[: row + 1, k]
-        times += [(b - a) * s.dt for a, b in spans(on) if a > 0]
+        times += [(b - a) * s.dt for a, b in joined_runs(on) if a > 0]
     return float(np.mean(times)) if times else 0.0
 
 

@@ -8,6 +8,7 @@ from surefoot.records.audit.story.causes import RULES, WRONG_FRAME, Rule, frame_
 from surefoot.records.audit.story.failure import fall, slide
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
+from surefoot.records.audit.story.story_limits import STORY_LIMITS, StoryLimits
 from surefoot.records.audit.story.told import Cause, Event, Story
 from surefoot.records.log import Log
 
@@ -17,7 +18,10 @@ MOST_ROWS = 200_000
 """Rows that a story is read from: of a longer log the last."""
 
 
-def story_of(log: Log, setting: Setting, symptoms: tuple[Finding, ...], task_failed: str) -> Story:
+def story_of(
+    log: Log, setting: Setting, symptoms: tuple[Finding, ...], task_failed: str,
+    limits: StoryLimits = STORY_LIMITS,
+) -> Story:  # fmt: skip
     """Return the story of a log.
 
     Parameters
@@ -28,12 +32,14 @@ def story_of(log: Log, setting: Setting, symptoms: tuple[Finding, ...], task_fai
         Of its audit, the strongest first.
     task_failed
         How the task failed; empty if it did not.
+    limits
+        What counts as an event, and as evidence.
     """
     if len(log) < 2 or "forces" not in log or not setting.names:
         return Story()
     if len(log) > MOST_ROWS:
         log = log.rows(slice(len(log) - MOST_ROWS, None))
-    s = Signals(log, setting)
+    s = Signals(log, setting, limits)
     happened = [event for event in (fall(s), slide(s)) if event is not None]
     failed = next(iter(happened), None)
     if failed is None and task_failed:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
-from surefoot.base.numerics.phases import runs_of
+from surefoot.base.numerics.phases import joined_runs
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import frames_on
 from surefoot.records.audit.model_changes import logged_changes
@@ -48,7 +48,7 @@ def _outside(s: Signals) -> Iterator[tuple[int, int, FloatArray, str]]:
     place = s.numbers("pushed_body") if "pushed_body" in s else np.full(len(on), -1.0)
     if "pushed_body" in s:
         on &= place >= 0.0
-    for start, end in spans(on):
+    for start, end in joined_runs(on):
         k = int(place[start])
         yield start, end, force, links[k] if 0 <= k < len(links) else "body"
 
@@ -59,7 +59,7 @@ def _hits(s: Signals) -> Iterator[tuple[int, int, FloatArray, str]]:
         return  # what cannot move by itself is pushed on purpose
     for k in np.flatnonzero(s.on_movable & ~_bears_robot(s)):
         on = s.forces[:, k, 2] > s.limits.loaded * s.weight
-        for start, end in spans(on, s.rows(s.limits.lies)):
+        for start, end in joined_runs(on, s.rows(s.limits.lies)):
             if (end - start) * s.dt < s.limits.lies:
                 yield start, end, s.world_forces[:, k], s.links[k]
 
@@ -82,7 +82,7 @@ def payload(s: Signals) -> Iterator[Sign]:
         mine = s.on_movable & np.array([other == link for other in s.links])
         above = s.normals[:, mine] @ s.up < -0.7
         down = np.where(above, -(s.world_forces[:, mine] @ s.up), 0.0).sum(axis=1)
-        for start, end in spans(down > 0.0, s.rows(s.limits.lies)):
+        for start, end in joined_runs(down > 0.0, s.rows(s.limits.lies)):
             mean = float(down[start:end].mean())
             if (end - start) * s.dt >= s.limits.lies and mean > s.limits.payload * s.weight:
                 yield Sign(float(s.time[start]), link, f"{mean / GRAVITY:.2g} kg lies on {link}", 1.0)
@@ -255,14 +255,3 @@ def _turned_about_normals(s: Signals, needed: FloatArray) -> FloatArray:
     cosine, sine = np.linalg.lstsq(basis, (needed - rest).ravel(), rcond=None)[0]
     size = max(float(np.hypot(cosine, sine)), 1e-9)
     return np.asarray(rest + (cosine * part[0] + sine * part[1]) / size)
-
-
-def spans(on: BoolArray, join: int = 1) -> list[tuple[int, int]]:
-    """Return the runs of (T,) flags, those that less than `join` rows part taken for one."""
-    out: list[tuple[int, int]] = []
-    for start, end in runs_of(on):
-        if out and start - out[-1][1] < join:
-            out[-1] = out[-1][0], end
-        else:
-            out.append((start, end))
-    return out
