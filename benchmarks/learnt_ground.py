@@ -73,6 +73,8 @@ HELD_IN = {
     "MappedGroundSettings": ("MAPPED_GROUND", (mapped_ground,)),
 }
 """Classes of settings to the name of their value and the modules that read it; a map is given its own."""
+LEARNT_IN = {"GroundEstimateSettings": ("map", "blind"), "TouchedGroundSettings": ("blind",)}
+"""What is known of the ground in walks over which a class is varied, if other than what is seen."""
 FACTORS = (2.0, 10.0)
 """Values that are tried over a setting's own, and its own over them."""
 WORTH = 0.02
@@ -296,6 +298,13 @@ def vary(one: Setting, walks: Sequence[Sensed], before: Measures, factors: Seque
     return {"setting": one.name, "value": one.value, "verdict": _verdict(one.value, tried), "tried": tried}
 
 
+def walks_of(one: Setting, walks: Sequence[Sensed], before: Measures) -> tuple[list[Sensed], Measures]:
+    """Return the walks that a setting has to do with, and their measures."""
+    kinds = LEARNT_IN.get(one.name.partition(".")[0], ("map",))
+    chosen = [k for k, walk in enumerate(walks) if walk.knowledge in kinds]
+    return [walks[k] for k in chosen], [before[k] for k in chosen]
+
+
 def _verdict(own: Any, tried: Sequence[tuple[Any, list[str], list[str], Any]]) -> str:
     better = [value for value, worse, good, _ in tried if good and not worse]
     if better:
@@ -321,7 +330,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     before = [learn(walk) for walk in walks]
     rows = []
     for one in chosen:
-        rows.append(vary(one, walks, before, FACTORS[:1] if given.quick else FACTORS))
+        rows.append(vary(one, *walks_of(one, walks, before), FACTORS[:1] if given.quick else FACTORS))
         if not given.json:
             print(f"{one.name} = {shown(one.value)}: {rows[-1]['verdict']}")
             for value, worse, better, shares in rows[-1]["tried"]:

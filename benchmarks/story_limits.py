@@ -6,9 +6,10 @@ which are simulated once. Only the seeds for tuning are looked at, never those t
 
 A run is told right if its first cause is the one that was injected, in name, place and time, or if it is a
 lawful control and no cause is named (`benchmarks.foreign.race`). Each limit is moved away from its value in
-both directions until fewer runs are told right. Printed are the range over which as many are, and how many
-are beyond it. The choice of a limit is repeated if no value that was tried tells more runs right, and at
-least one tells fewer; a limit whose value makes no difference is not decided by these runs.
+both directions until fewer runs are told right, by more than one: one is a matter of a seed. Printed are the
+range over which as many are, and how many are beyond it. The choice of a limit is repeated if no value that
+was tried tells more runs right, and at least one tells fewer; a limit whose value makes no difference is not
+decided by these runs.
 """
 
 from __future__ import annotations
@@ -40,6 +41,8 @@ from surefoot.records.log.reading import read_log
 
 FACTORS = (1.5, 2.0, 4.0, 16.0)
 """Steps away from a limit's value, each way."""
+SEED = 1
+"""Difference of runs told right that may be a matter of one seed."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +116,7 @@ class Choice:
     right, runs
         Runs told right with its value, of how many.
     low, high
-        Least and largest value tried, next to its own, that tells no fewer right.
+        Least and largest value tried, next to its own, with which no fewer are told right.
     tried
         (value, runs told right) of all that were tried, rising.
     """
@@ -128,15 +131,15 @@ class Choice:
 
     @property
     def better(self) -> tuple[float, ...]:
-        """Values that tell more runs right."""
-        return tuple(value for value, right in self.tried if right > self.right)
+        """Values with which more runs are told right."""
+        return tuple(value for value, right in self.tried if right > self.right + SEED)
 
     @property
     def verdict(self) -> str:
         """Whether the choice is repeated, and the values that do as well."""
         if self.better:
             return "better: " + ", ".join(f"{value:.4g}" for value in self.better)
-        if all(right == self.right for _, right in self.tried):
+        if all(right >= self.right - SEED for _, right in self.tried):
             return "not decided: all values tried do as well"
         return f"as good from {self.low:.4g} to {self.high:.4g}"
 
@@ -186,7 +189,7 @@ def vary(one: DescribedSetting, runs: Sequence[Told]) -> Choice:
             if clipped in tried:
                 break
             tried[clipped] = _count(runs, replace(STORY_LIMITS, **{one.name: clipped}), one.name)
-            if tried[clipped] < tried[value]:
+            if tried[clipped] < tried[value] - SEED:
                 break
             ends[way] = clipped
     return Choice(one.name, value, tried[value], len(runs), ends[0], ends[1], tuple(sorted(tried.items())))
