@@ -170,7 +170,7 @@ def test_what_touches_slowly_does_not_bounce_and_the_rest_of_the_step_is_ordinar
 
 @pytest.mark.parametrize("degrees", [10.0, 25.0, 40.0, 44.0])
 def test_a_corner_that_swings_under_a_box_is_met_where_it_touches(degrees: float) -> None:
-    """At the end of the step the corner is nearly at its lowest: its speed there says nothing of the touch."""
+    """At the end of the step the corner is nearly at its lowest: its speed there does not tell the touch."""
     dt, half, height = 0.02, 0.1, 0.12
     spin, arm = np.radians(degrees) / dt, half * np.sqrt(2.0)
 
