@@ -75,7 +75,7 @@ HELD_IN = {
 """Classes of settings to the name of their value and the modules that read it; a map is given its own."""
 LEARNT_IN = {"GroundEstimateSettings": ("map", "blind"), "TouchedGroundSettings": ("blind",)}
 """What is known of the ground in walks over which a class is varied, if other than what is seen."""
-FACTORS = (2.0, 10.0)
+FACTORS = (3.0, 10.0)
 """Values that are tried over a setting's own, and its own over them."""
 WORTH = 0.02
 """Share of a measure that a difference must have to matter."""
@@ -298,9 +298,14 @@ def vary(one: Setting, walks: Sequence[Sensed], before: Measures, factors: Seque
     return {"setting": one.name, "value": one.value, "verdict": _verdict(one.value, tried), "tried": tried}
 
 
+def kinds_of(one: Setting) -> tuple[str, ...]:
+    """Return what is known of the ground in the walks that a setting has to do with."""
+    return LEARNT_IN.get(one.name.partition(".")[0], ("map",))
+
+
 def walks_of(one: Setting, walks: Sequence[Sensed], before: Measures) -> tuple[list[Sensed], Measures]:
     """Return the walks that a setting has to do with, and their measures."""
-    kinds = LEARNT_IN.get(one.name.partition(".")[0], ("map",))
+    kinds = kinds_of(one)
     chosen = [k for k, walk in enumerate(walks) if walk.knowledge in kinds]
     return [walks[k] for k in chosen], [before[k] for k in chosen]
 
@@ -326,7 +331,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
             raise ProblemError(unknown_name("class of settings", name, tuple(HELD_IN)))
         chosen += find_settings(name)
     ways, seeds = (QUICK, 1) if given.quick else (WAYS, given.seeds)
-    walks = [record(*way, seed) for way in ways for seed in range(1, seeds + 1)]
+    kinds = {kind for one in chosen for kind in kinds_of(one)}
+    walks = [record(*way, seed) for way in ways if way[0] in kinds for seed in range(1, seeds + 1)]
     before = [learn(walk) for walk in walks]
     rows = []
     for one in chosen:

@@ -39,8 +39,8 @@ from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.story.story_limits import STORY_LIMITS, StoryLimits
 from surefoot.records.log.reading import read_log
 
-FACTORS = (1.5, 2.0, 4.0, 16.0)
-"""Steps away from a limit's value, each way."""
+FACTORS = (1.5, 2.0, 4.0, 16.0, 64.0)
+"""Steps away from a limit's value, each way; of its distance from one, too, where that is small."""
 SEED = 1
 """Difference of runs told right that may be a matter of one seed."""
 
@@ -183,7 +183,9 @@ def vary(one: DescribedSetting, runs: Sequence[Told]) -> Choice:
     tried = {value: _count(runs, STORY_LIMITS, one.name)}
     ends = [value, value]
     for way in (0, 1):
-        for new in values_away(one.name, value, one.info.whole, bool(way), FACTORS):
+        near = values_away(one.name, value, one.info.whole, bool(way), FACTORS)
+        far = {value * (factor if way else 1.0 / factor) for factor in FACTORS}
+        for new in sorted({*near, *far}, reverse=not way):
             low, high = one.info.low, one.info.high
             clipped = min(max(new, -math.inf if low is None else low), math.inf if high is None else high)
             if clipped in tried:
