@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.numerics.phases import runs_of
 from surefoot.base.spatial import GRAVITY, rotation_from_normal, rotation_from_quaternion
 from surefoot.mechanics import frames_on
@@ -211,6 +211,20 @@ class Signals:
         return rotation_from_normal(self.up).T[:2]
 
     @cached_property
+    def heading(self) -> FloatArray:
+        """(T, 2, 3) axes across gravity: along the base's first axis, and to its left."""
+        axes = np.broadcast_to(self.level_axes, (len(self.time), 2, 3))
+        if not self.floating:
+            return axes
+        turn = self.numbers("q")[:, 3:7].copy()
+        turn[~turn.any(axis=1)] = (1.0, 0.0, 0.0, 0.0)
+        level = rotation_from_quaternion(turn)[:, :, 0] @ self.level_axes.T
+        size = np.linalg.norm(level, axis=1, keepdims=True)
+        level = np.where(size > 1e-6, level / np.maximum(size, 1e-6), (1.0, 0.0))
+        across = np.stack([-level[:, 1], level[:, 0]], axis=1)
+        return np.stack([level @ self.level_axes, across @ self.level_axes], axis=1)
+
+    @cached_property
     def capture_outside(self) -> FloatArray:
         """(T,) how far the capture point is outside the feet's hull [m]; zero inside, NaN in the air."""
         from scipy.spatial import ConvexHull, QhullError
@@ -242,6 +256,20 @@ class Signals:
         """(T, joints) torques that were asked for, the given ones where the log has no other [N m, N]."""
         asked = self.numbers("torques_commanded") if "torques_commanded" in self else self.torques
         return asked if asked.shape == self.torques.shape else self.torques
+
+    @cached_property
+    def ticks(self) -> IntArray:
+        """(n,) rows in which something new is asked for, the first among them: a controller may hold it."""
+        new = np.ones(len(self.time), dtype=bool)
+        if self.asked.shape[1]:
+            new[1:] = (self.asked[1:] != self.asked[:-1]).any(axis=1)
+        return np.flatnonzero(new)
+
+    @cached_property
+    def hold(self) -> int:
+        """Rows for which what is asked for is held, as a rule."""
+        gaps = np.diff(self.ticks)
+        return int(np.median(gaps)) if len(gaps) else 1
 
     @cached_property
     def torque_limits(self) -> FloatArray:
