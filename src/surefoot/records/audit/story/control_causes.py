@@ -17,7 +17,7 @@ LAGS, COARSE = 0.065, 0.004
 """Longest delay that is looked for, and in which steps at first [s]."""
 ENOUGH = 1500
 """Rows from which a delay is told; of a longer log every so many."""
-HELD, LEAST_TICKS = 0.85, 8
+HELD, LEAST_TICKS = 0.95, 20
 """Share of torques held for some rows that turn in chatter, of so many: by chance two of three turn."""
 
 

@@ -48,7 +48,7 @@ def fall(s: Signals) -> Event | None:
 
 def slide(s: Signals) -> Event | None:
     """Return the first slide of feet that goes on for more than a bit."""
-    if not s.floating and s.torques.shape[1]:
+    if s.bolted and s.torques.shape[1]:
         return None  # a hand that slides does not fall
     if not s.sliding.any() or (s.on_movable.any() and not s.torques.shape[1]):
         return None  # what cannot move by itself slides where it is pushed

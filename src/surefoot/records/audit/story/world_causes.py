@@ -215,7 +215,7 @@ def _struck(s: Signals) -> BoolArray:
 
 def self_collision(s: Signals) -> Iterator[Sign]:
     """Yield links of the robot that press on each other, or on the stand that they are bolted to."""
-    if not s.floating:
+    if s.bolted:
         yield from _hits_stand(s)
     if "inner_force" not in s:
         return
