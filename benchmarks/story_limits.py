@@ -54,12 +54,12 @@ class Told:
     run, given
         The run, and the first arguments of `story_of`.
     known
-        By the name of a rule: the limits that it reads in this run, and what it finds with their own values.
+        By rule: the limits that it reads in this run, and what it finds with their own values.
     """
 
     run: Run
     given: tuple[Any, ...]
-    known: Mapping[str, tuple[set[str], tuple[Sign, ...]]]
+    known: Mapping[Rule, tuple[set[str], tuple[Sign, ...]]]
 
     def right(self, limits: StoryLimits, changed: str) -> bool:
         """Return whether the story says the right thing with these limits, of which one may be changed.
@@ -74,7 +74,7 @@ class Told:
         return bool(causes) and is_right(self.run, causes[0].name, str(causes[0].where), causes[0].time)
 
     def _known_rule(self, rule: Rule, changed: str) -> Rule:
-        read, found = self.known[rule.name]
+        read, found = self.known[rule]
         return rule if changed in read else replace(rule, find=lambda s: iter(found))
 
 
@@ -160,7 +160,7 @@ def told_runs(seeds: int, lawful: int, keep: Path | None) -> Iterator[Told]:
         with replaced(auditor, story_of=noting):
             sf.audit_log(run.log)
         given = caught.pop()
-        yield Told(run, given, {rule.name: limits_read(rule, given) for rule in (*RULES, WRONG_FRAME)})
+        yield Told(run, given, {rule: limits_read(rule, given) for rule in (*RULES, WRONG_FRAME)})
 
 
 def _kept(path: Path, make: Callable[[], Run]) -> Run:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.report import Finding
 from surefoot.records.audit.story.causes import RULES, WRONG_FRAME, Rule, frame_sign
-from surefoot.records.audit.story.failure import fall, slide
+from surefoot.records.audit.story.failure import fall, slide, stray
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.story.story_limits import STORY_LIMITS, StoryLimits
@@ -40,8 +40,8 @@ def story_of(
     if len(log) > MOST_ROWS:
         log = log.rows(slice(len(log) - MOST_ROWS, None))
     s = Signals(log, setting, limits)
-    happened = [event for event in (fall(s), slide(s)) if event is not None]
-    failed = next(iter(happened), None)
+    happened = [event for event in (fall(s), slide(s), stray(s)) if event is not None]
+    failed = next(iter(happened), None)  # a fall says more than a slide, that more than a way
     if failed is None and task_failed:
         failed = Event("task failed", float(s.time[-1]), "body", task_failed)
     frame = next(WRONG_FRAME.find(s), None) or frame_sign(symptoms)
@@ -97,4 +97,6 @@ def _may_explain(rule: Rule, sign: Sign, s: Signals, failed: Event | None) -> bo
         return not rule.residual and (rule.alone or not s.floating or not s.torques.shape[1])
     if sign.time > failed.time + 0.5 * s.limits.brief:
         return False
+    if rule.leads and failed.name == "fell" and failed.time - sign.time < 0.5 * s.pendulum_time:
+        return False  # nothing falls that fast: it was falling already
     return rule.lasts or failed.time - sign.time < s.limits.fades

@@ -16,6 +16,9 @@ from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.symptoms.fits import rotation_between
 
+CLOSE = 0.2
+"""What is this close to a bolted base, over the robot's reach, belongs to it."""
+
 
 def model_changes(s: Signals, kind: str) -> Iterator[tuple[float, str, float]]:
     """Yield when, whose and by which factor the loop changed numbers of one kind in its model."""
@@ -186,7 +189,8 @@ def returned_energy(s: Signals) -> Iterator[Sign]:
         return
     dead = np.asarray(s.log.facts.get("critically_damped", np.zeros(len(s.names)))) > 0.0
     dead &= ~s.on_movable
-    power = np.where(dead, s.forces[..., 2] * s.numbers("contact_velocities")[..., 2], 0.0)
+    struck = _struck(s)
+    power = np.where(dead & ~struck[:, None], s.forces[..., 2] * s.numbers("contact_velocities")[..., 2], 0.0)
     given = sliding_sum(np.maximum(power, 0.0).sum(axis=1), s.rows(s.limits.lies)) * s.dt
     row = int(given.argmax())
     if given[row] > s.limits.returned * s.weight * s.height:
@@ -199,8 +203,20 @@ def returned_energy(s: Signals) -> Iterator[Sign]:
         yield Sign(float(s.time[first]), s.links[k], words, 1.0)
 
 
+def _struck(s: Signals) -> BoolArray:
+    """Return (T,) where something that can move has just begun to press: the ground gives back that blow."""
+    on = (s.loaded & s.on_movable).any(axis=1)
+    begun = np.flatnonzero(on & ~np.concatenate([[False], on[:-1]]))
+    out = np.zeros(len(on), dtype=bool)
+    for row in begun:
+        out[row : row + s.rows(s.limits.lies)] = True
+    return out
+
+
 def self_collision(s: Signals) -> Iterator[Sign]:
-    """Yield links of the robot that press on each other."""
+    """Yield links of the robot that press on each other, or on the stand that they are bolted to."""
+    if s.bolted:
+        yield from _hits_stand(s)
     if "inner_force" not in s:
         return
     force = s.numbers("inner_force")
@@ -211,6 +227,24 @@ def self_collision(s: Signals) -> Iterator[Sign]:
     pair = [links[int(k)] for k in s.numbers("inner_bodies")[row] if 0 <= int(k) < len(links)]
     words = f"{' and '.join(pair)} press on each other with up to {force[row:].max():.3g} N"
     yield Sign(float(s.time[row]), ", ".join(pair) or "body", words, 1.0)
+
+
+def _hits_stand(s: Signals) -> Iterator[Sign]:
+    """Yield links of a bolted robot that press on what stands still under its base, or close by."""
+    offsets = np.asarray(s.log.facts.get("model_positions", np.zeros((0, 3))), dtype=np.float64)
+    if len(offsets) < 2 or "contact_positions" not in s:
+        return
+    reach = float(np.linalg.norm(offsets[1:], axis=1).sum())
+    away = np.linalg.norm((s.positions - offsets[0]) @ s.level_axes.T, axis=-1)
+    on = s.loaded & ~s.on_movable & (away < CLOSE * reach)
+    touched = s.texts("contact_with")
+    for k in range(on.shape[1]):
+        row = s.first(on[:, k], s.rows(0.25 * s.limits.brief))
+        if row is not None:
+            stand = touched[k] if k < len(touched) else "the stand"
+            most = float(s.forces[row:, k, 2].max())
+            words = f"{s.links[k]} presses on {stand} at its own base with up to {most:.3g} N"
+            yield Sign(float(s.time[row]), s.links[k], words, 1.0)
 
 
 def wrong_frame(s: Signals) -> Iterator[Sign]:
