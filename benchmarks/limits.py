@@ -180,7 +180,9 @@ def limits_read(case: Case | Verdict) -> set[str]:
     return read
 
 
-def values_away(name: str, value: float, whole: bool, up: bool) -> Iterator[float]:
+def values_away(
+    name: str, value: float, whole: bool, up: bool, factors: Sequence[float] = FACTORS
+) -> Iterator[float]:
     """Yield values further and further from a limit's own, in one direction.
 
     Strengths move by steps; numbers near one by their distance from it; others by factors.
@@ -192,9 +194,9 @@ def values_away(name: str, value: float, whole: bool, up: bool) -> Iterator[floa
         yield from (value + sign * step for step in RANK_STEPS)
     elif 0.8 < value < 1.2 and value != 1.0:
         away = value - 1.0
-        yield from (1.0 + away * (f if up == (away > 0.0) else 1.0 / f) for f in FACTORS)
+        yield from (1.0 + away * (f if up == (away > 0.0) else 1.0 / f) for f in factors)
     else:
-        yield from (value * (f if up else 1.0 / f) for f in FACTORS)
+        yield from (value * (f if up else 1.0 / f) for f in factors)
 
 
 def vary(name: str, tried: Sequence[Case | Verdict]) -> Varied:

@@ -33,6 +33,15 @@ def audit(
     price: Annotated[
         bool, typer.Option("--price", help="What sf.record costs beside mj_step, and nothing else.")
     ] = False,
+    spoils: Annotated[
+        bool, typer.Option("--spoils", help="Contradictions between the channels of lawful logs.")
+    ] = False,
+    gymnasium: Annotated[
+        bool, typer.Option("--gymnasium", help="24 runs of gymnasium's robots that nobody trained.")
+    ] = False,
+    assets: Annotated[
+        Path | None, typer.Option(help="Folder of gymnasium's models, where it is not installed.")
+    ] = None,
     seeds: Annotated[
         int, typer.Option(min=1, max=10, help="Seeds per cause of --foreign, of each half.")
     ] = 10,
@@ -51,6 +60,10 @@ def audit(
     extras.require(["mujoco"])
     if price:
         _price(quick, out, as_json)
+    elif spoils:
+        _spoils(quick, out, as_json)
+    elif gymnasium:
+        _gymnasium(assets, quick, out, as_json)
     elif foreign:
         _foreign(seeds, held_back, cause, quick, out, as_json)
     else:
@@ -73,6 +86,44 @@ def _price(quick: bool, out: Path | None, as_json: bool) -> None:
         console.print(table(heads, cells, title))
 
     report(record, as_json, in_words, out=out, name="audit-price")
+
+
+def _spoils(quick: bool, out: Path | None, as_json: bool) -> None:
+    from benchmarks.spoils import measure
+
+    told = list(measure(3 if quick else None))
+    alarms, scores = [x for x in told if isinstance(x, str)], [x for x in told if not isinstance(x, str)]
+    record = {"alarms": alarms, "spoils": [asdict(s) for s in scores]}
+
+    def in_words(console: Console) -> None:
+        heads = ("spoil", "logs", "beyond the tolerance", "found", "below it", "found all the same")
+        cells = [(s.name, *(str(n) for n in (s.logs, s.exceed, s.found, s.below, s.seen))) for s in scores]
+        console.print(table(heads, cells, "contradictions between the channels of lawful logs"))
+        found, exceed = sum(s.found for s in scores), sum(s.exceed for s in scores)
+        console.print(f"{found} of {exceed} that exceed the tolerance found")
+        console.print(f"{len(alarms)} alarms on lawful logs")
+
+    report(record, as_json, in_words, out=out, name="audit-spoils")
+
+
+def _gymnasium(folder: Path | None, quick: bool, out: Path | None, as_json: bool) -> None:
+    from benchmarks.gymnasium_runs import assets, measure
+
+    found = assets(folder)
+    if isinstance(found, str):
+        typer.echo(f"skipped: {found}", err=True)
+        return
+    rows = list(measure(found, quick))
+    record = {"runs": [asdict(row) for row in rows]}
+
+    def in_words(console: Console) -> None:
+        heads = ("robot", "actions", "seed", "verdict", "why", "first finding")
+        cells = [(r.name, r.actions, str(r.seed), r.verdict, r.why[:60], r.finding[:60]) for r in rows]
+        console.print(table(heads, cells, "gymnasium's robots, which nobody trained"))
+        counts = {v: sum(r.verdict == v for r in rows) for v in ("lawful", "cannot tell", "broken")}
+        console.print(", ".join(f"{n} {v}" for v, n in counts.items()) + f" of {len(rows)}")
+
+    report(record, as_json, in_words, WIDTH, out, "audit-gymnasium")
 
 
 def _foreign(

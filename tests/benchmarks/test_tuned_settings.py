@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
+from importlib.util import find_spec
 from typing import Any
 
 import pytest
@@ -13,6 +14,7 @@ from benchmarks.ablation.parts import FIRST_SEED, PARTS, TASKS
 from benchmarks.ablation.trials import Trials
 from benchmarks.ablation.varying import Setting, known_settings, try_values, verdict
 from benchmarks.commands.ablation import ablation
+from docs.settings import rows_of, settings_classes
 
 COMMAND = re.compile(r"`surefoot bench ablation ([^`]*)`")
 RANGE = re.compile(r"as good from \S.* to \S.*")
@@ -41,6 +43,19 @@ def test_a_command_names_the_setting_that_it_stands_at(one: Setting) -> None:
     assert given["seeds"] >= 3, "two seeds say nothing of noise"
     assert one.values(given["value"], given["factor"]), "nothing would be tried"
     assert RANGE.search(one.info.source), "the verdict stands behind the date"
+
+
+def test_a_program_that_chose_a_setting_is_there() -> None:
+    program = re.compile(r"`python -m ([\w.]+)[^`]*`")
+    named = {
+        name
+        for owner in settings_classes()
+        for _, _, info in rows_of(owner)
+        if info.measured
+        for name in program.findall(info.source)
+    }
+    assert "benchmarks.limits" in named
+    assert [name for name in sorted(named) if find_spec(name) is None] == []
 
 
 @pytest.mark.long

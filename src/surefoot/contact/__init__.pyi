@@ -14,6 +14,7 @@ from .cones.product import ProductCone as ProductCone
 from .cones.representation import Method as Method
 from .cones.sole import Sole as Sole
 from .cones.sole_rows import unit_rows as unit_rows
+from .cones.sole_shape import outward as outward
 from .derivative.solution_derivative import KINK as KINK
 from .derivative.solution_derivative import ContactDerivative as ContactDerivative
 from .derivative.solution_derivative import Kink as Kink

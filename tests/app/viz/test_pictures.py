@@ -64,7 +64,7 @@ def test_parts_of_a_mesh_are_separated_and_turned_outwards() -> None:
 
 def test_report_holds_everything_and_overwrites_nothing(log: Log, tmp_path: Path) -> None:
     plots = draw_run(log, tmp_path)
-    sections = [("A <b>", report.table(["x"], [["1 & 2"]])), ("P", report.picture(plots[0]))]
+    sections = [("A <b>", report.table(["x"], [["1 & 2"]])), ("P", report.embed_picture(plots[0]))]
     path = report.write_report(tmp_path / "report.html", "Title", ("fine", True), sections, "surefoot stand")
     text = path.read_text()
     assert "A &lt;b&gt;" in text

@@ -7,6 +7,7 @@ import pytest
 
 import surefoot as sf
 from surefoot.base.errors import NoSolution, SolverNotFound
+from surefoot.contact.solvers.lcp_proof import farkas
 
 ALL = ("lemke", "interior_point")
 
@@ -72,6 +73,20 @@ def test_infeasible_problems_are_proved_so() -> None:
     with pytest.raises(NoSolution, match="along a ray"):
         found.raise_if_failed()
     assert not sf.solve_lcp(lcp, "interior_point").solved
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e6])
+@pytest.mark.parametrize("guess", [[5e-324, 0.0], [1.7e308, 0.0], [0.0, 0.0], [np.inf, 1.0], [np.nan, 1.0]])
+def test_a_proof_is_found_whatever_is_guessed(scale: float, guess: list[float]) -> None:
+    """Guesses that vanish or overflow in the scale of the problem are as good as none."""
+    lcp = sf.LCP(scale * np.array([[0.0, 1.0], [-1.0, 0.0]]), [1.0, -2.0])
+    with np.errstate(all="raise"):
+        v = farkas(lcp, np.array(guess))
+    assert v is not None
+    assert np.isfinite(v).all()
+    assert (v >= 0.0).all()
+    assert (lcp.M.T @ v <= 0.0).all()
+    assert lcp.q @ v < 0
 
 
 def test_a_ray_without_proof_is_not_called_infeasible() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio
 import pytest
+from scipy.optimize import brentq
 
 import surefoot as sf
 from surefoot.base.spatial import GRAVITY
@@ -165,6 +166,29 @@ def test_what_touches_slowly_does_not_bounce_and_the_rest_of_the_step_is_ordinar
         assert (k == 0) == bool(d.step.pieces)
         state = d.step.state
     assert abs(d.step.velocities[0, 2]) < 1e-9
+
+
+@pytest.mark.parametrize("degrees", [10.0, 25.0, 40.0, 44.0])
+def test_a_corner_that_swings_under_a_box_is_met_where_it_touches(degrees: float) -> None:
+    """At the end of the step the corner is nearly at its lowest: its speed there does not tell the touch."""
+    dt, half, height = 0.02, 0.1, 0.12
+    spin, arm = np.radians(degrees) / dt, half * np.sqrt(2.0)
+
+    def gap(t: float) -> float:
+        return height - 0.5 * GRAVITY * t * t - arm * np.sin(0.25 * np.pi + spin * t)
+
+    options = StepOptions(dt=dt, restitution=E, impacts="located")
+    stepper = Stepper(box(1.0, (2.0 * half,) * 3), options=options)
+    state = stepper.start(lifted(stepper.robot.nominal, height - half), np.r_[np.zeros(4), spin, 0.0])
+    step = stepper.step(state, np.zeros(0), mu=0.0)
+    if gap(dt) > 0.0:
+        assert not step.pieces
+        return
+    touch = brentq(gap, 0.0, dt, xtol=1e-14)
+    assert step.pieces[0].seconds == pytest.approx(touch, abs=1e-9)
+    met = step.pieces[0].impact
+    before = -GRAVITY * touch - arm * spin * np.cos(0.25 * np.pi + spin * touch)
+    assert met.velocities[met.near, 2] == pytest.approx(np.full(2, -E * before), rel=1e-6)
 
 
 def test_without_restitution_impacts_are_located_where_that_is_asked_for() -> None:

@@ -42,7 +42,11 @@ def tosses() -> Tosses:
 def fit(tosses: Tosses) -> TossFit:
     body = cube_body(Cube()).at({"com_z": COM})
     others = random_tosses(8, TRUTH, ground=GROUND, seed=6, steps=2, frames=70, body=body)
-    return identify(tosses, ThrownModel(steps=2), test=others, resamples=200)
+    simulated: list[float] = []
+    found = identify(tosses, ThrownModel(steps=2), test=others, resamples=200, progress=simulated.append)
+    assert simulated, "a long fit says how far it is"
+    assert (np.diff([0.0, *simulated]) > 0.0).all(), "each time more tosses have been simulated"
+    return found
 
 
 @pytest.mark.long

@@ -177,12 +177,12 @@ def _lines(log: Log, report: AuditReport) -> list[str]:
 
 def _story(report: AuditReport, folder: Path) -> tuple[str, str]:
     """Draw the story into the folder; return the page's section of the picture, or of why there is none."""
-    from surefoot.app.viz.report import paragraph, picture
+    from surefoot.app.viz.report import embed_picture, paragraph
 
     try:
         from surefoot.app.viz.story_plots import draw_story
 
-        drawn = picture(draw_story(report, folder / "story.png"))
+        drawn = embed_picture(draw_story(report, folder / "story.png"))
     except MissingExtra as error:
         drawn = paragraph(f"picture left out: {error}")
     return "What happened", paragraph(str(report.story)) + drawn
@@ -190,11 +190,11 @@ def _story(report: AuditReport, folder: Path) -> tuple[str, str]:
 
 def _picture(log: Log, report: AuditReport, folder: Path) -> tuple[str, str]:
     """Draw into the folder; return the page's section of the picture, or of why there is none."""
-    from surefoot.app.viz.report import paragraph, picture
+    from surefoot.app.viz.report import embed_picture, paragraph
 
     try:
         from surefoot.app.viz.audit_plots import draw_timeline
 
-        return "Timeline", picture(draw_timeline(log, report, folder / "timeline.png"))
+        return "Timeline", embed_picture(draw_timeline(log, report, folder / "timeline.png"))
     except MissingExtra as error:
         return "Timeline", paragraph(f"picture left out: {error}")

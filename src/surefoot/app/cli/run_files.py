@@ -149,10 +149,10 @@ class RunFiles:
         found = []
         if self._film is not None:
             note = "Forces as the world reports them; a force inside its cone ends inside the rim."
-            found.append(("Film", report.film(self._film) + report.paragraph(note)))
+            found.append(("Film", report.embed_film(self._film) + report.paragraph(note)))
         for plot in self._plots:
             title, seen = CAPTIONS.get(plot.stem, (plot.stem.replace("_", " "), ""))
-            found.append((title, report.picture(plot) + report.paragraph(seen)))
+            found.append((title, report.embed_picture(plot) + report.paragraph(seen)))
         return found
 
 

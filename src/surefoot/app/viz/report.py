@@ -75,14 +75,14 @@ def _row(tag: str, cells: Sequence[Any]) -> str:
     return "<tr>" + "".join(f"<{tag}>{html.escape(str(c))}</{tag}>" for c in cells) + "</tr>\n"
 
 
-def picture(path: Path) -> str:
-    """Return a picture, its bytes inside."""
+def embed_picture(path: Path) -> str:
+    """Return the HTML element of a picture, its bytes inside."""
     name = html.escape(path.stem.replace("_", " "))
     return f'<img alt="{name}" src="data:image/png;base64,{_base64(path)}">'
 
 
-def film(path: Path) -> str:
-    """Return a film, its bytes inside."""
+def embed_film(path: Path) -> str:
+    """Return the HTML element of a film, its bytes inside."""
     return f'<video controls loop muted src="data:video/mp4;base64,{_base64(path)}"></video>'
 
 

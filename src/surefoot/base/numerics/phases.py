@@ -32,3 +32,20 @@ def runs_of(on: BoolArray) -> list[tuple[int, int]]:
     """Return (first, last + 1) of the runs where a (T,) flag is set."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], on.astype(int), [0]]))).tolist()
     return list(zip(edges[::2], edges[1::2], strict=True))
+
+
+def joined_runs(on: BoolArray, join: int = 1) -> list[tuple[int, int]]:
+    """Return the runs of a (T,) flag, those that less than `join` rows part taken for one.
+
+    Examples
+    --------
+    >>> joined_runs(np.array([1, 0, 1, 0, 0, 1], dtype=bool), 2)
+    [(0, 3), (5, 6)]
+    """
+    out: list[tuple[int, int]] = []
+    for start, end in runs_of(on):
+        if out and start - out[-1][1] < join:
+            out[-1] = out[-1][0], end
+        else:
+            out.append((start, end))
+    return out

@@ -62,6 +62,14 @@ class Foot:
         low, high = self._rectangle()
         return float(high[0] - low[0]), float(high[1] - low[1])
 
+    @property
+    def size_words(self) -> str:
+        """Its size in words: that of a sole with the rounding of its corners, or a ball's radius."""
+        if not self.flat:
+            return f"a ball of {1e3 * self.radius:.3g} mm radius"
+        length, width = (1e3 * (part + 2.0 * self.radius) for part in self.size)
+        return f"a sole of {length:.0f} x {width:.0f} mm"
+
     def _rectangle(self) -> tuple[FloatArray, FloatArray]:
         """Return the corners of the largest rectangle that the four sphere centres hold, about their middle.
 
@@ -102,11 +110,6 @@ def catalog_feet(model: Any, entry: CatalogEntry, names: Sequence[str]) -> tuple
     for name in names:
         shape = entry.shapes[entry.feet.index(name)]
         foot = shaped_foot(model, name, shape.centres, shape.radius)
-        length, width = (1e3 * (size + 2.0 * shape.radius) for size in foot.size)
-        what = (
-            f"a sole of {length:.0f} x {width:.0f} mm"
-            if foot.flat
-            else f"a ball of {1e3 * shape.radius:.0f} mm radius"
-        )
-        out.append(replace(foot, why=f"{name}: {what}, as the catalogue measured it on the robot's meshes"))
+        words = f"{name}: {foot.size_words}, as the catalogue measured it on the robot's meshes"
+        out.append(replace(foot, why=words))
     return tuple(out)

@@ -264,20 +264,13 @@ def parting(before: FloatArray, after: FloatArray) -> float:
     return float(bounds[best].mean())
 
 
-def correct(
-    x: FloatArray,
-    P: FloatArray,
-    row: FloatArray,
-    measured: float,
-    variance: float,
-    gate: float = STAIR_FIT.gate,
-) -> bool:
+def correct(x: FloatArray, P: FloatArray, row: FloatArray, measured: float, variance: float) -> bool:
     """Correct a state (n,) and its covariance (n, n) in place by a number that a row (n,) of it should be.
 
-    Return False, and leave both, for a number that is more than `gate` standard deviations off.
+    Return False, and leave both, for a number that is off by more standard deviations than `STAIR_FIT.gate`.
     """
     miss, spread = measured - float(row @ x), float(row @ P @ row) + variance
-    if miss * miss > gate * gate * spread:
+    if miss * miss > STAIR_FIT.gate**2 * spread:
         return False
     gain = P @ row / spread
     x += gain * miss

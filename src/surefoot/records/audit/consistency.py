@@ -18,7 +18,7 @@ from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import GRAVITY
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.rows import Measured, Rows, on_body, over, sliding_mean, sliding_sum
-from surefoot.records.audit.within_row import edges, moved_moment, rigid, step_of, turn_speed, turns_of
+from surefoot.records.audit.within_row import edges, moved_moment, rigid, step_of, swing, turn_speed, turns_of
 from surefoot.records.log import Log
 
 
@@ -32,7 +32,9 @@ def momentum(rows: Rows) -> Measured:
     arm = limits.balance.arm / limits.balance.force
     value = np.fmax(off, turned / arm) / _mass(rows)
     # limbs swing on while they are thrown: l w dw is no rate of a row's start
-    thrown = limits.continuity.lever * turn_speed(rows) * _spin_change(rows)
+    spin = turn_speed(rows)
+    spin = 0.5 * (spin + np.append(spin[1:], spin[-1:]))  # the mean of a row: one at rest is thrown, too
+    thrown = limits.continuity.lever * spin * _spin_change(rows)
     thrown += _turned_within(rows) / arm
     allowed = limits.consistency.impulse * _pushing(rows) * rows.dt / _mass(rows) + thrown
     return over(on_body(rows, value), on_limit(rows, sliding_sum(allowed, w)))
@@ -54,9 +56,9 @@ def centre_of_mass(rows: Rows) -> Measured:
     share = (off * most).sum(axis=1) / np.maximum((most**2).sum(axis=1), 1e-30)
     value = np.linalg.norm(off - np.clip(share, -1.0, 1.0)[:, None] * most, axis=1)
     way = np.minimum(*(sliding_sum(np.linalg.norm(part, axis=1), w) for part in (went, mean)))
-    known = _swing(rows) + edge_forces(rows) / _mass(rows)
-    swing = 0.5 * rows.dt**2 * (known if force is not None else _pushing(rows) / _mass(rows))
-    limit = limits.consistency.way + limits.consistency.drift * way + sliding_sum(swing, w)
+    known = swing(rows) + edge_forces(rows) / _mass(rows)
+    within = 0.5 * rows.dt**2 * (known if force is not None else _pushing(rows) / _mass(rows))
+    limit = limits.consistency.way + limits.consistency.drift * way + sliding_sum(within, w)
     return over(on_body(rows, value), on_limit(rows, limit))
 
 
@@ -79,9 +81,9 @@ def acceleration(rows: Rows) -> Measured:
     value[mid] = np.linalg.norm(off - np.clip(share, 0.0, 1.0)[:, None] * late, axis=1)
     even = np.abs(rows.dt / rows.setting.dt - 1.0) < limits.records.same_dt
     known = sliding_sum((~even).astype(np.float64), 2 * w + 2) == 0.0
-    swing = _swing(rows) * _mass(rows) / w
+    swung = swing(rows) * _mass(rows) / w
     late_touch = 0.5 * sliding_sum(edge_forces(rows), 2 * w + 1) / w**2
-    limit[known] = (limits.balance.force * weight + sliding_max(swing, w) + late_touch)[known]
+    limit[known] = (limits.balance.force * weight + sliding_max(swung, w) + late_touch)[known]
     return over(on_body(rows, value), on_limit(rows, limit))
 
 
@@ -141,13 +143,6 @@ def _pushing(rows: Rows) -> FloatArray:
     if "wrench_applied" in rows.log:
         out += np.linalg.norm(rows.numbers("wrench_applied")[:, :3], axis=1)
     return out
-
-
-def _swing(rows: Rows) -> FloatArray:
-    """Return what limbs on the log's lever accelerate by as they swing: (T,) [m/s²]; zero of one body."""
-    if rigid(rows.log):
-        return np.zeros(rows.count)
-    return rows.setting.limits.continuity.lever * turn_speed(rows) ** 2
 
 
 def _turned_within(rows: Rows) -> FloatArray:

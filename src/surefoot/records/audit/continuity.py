@@ -15,7 +15,7 @@ from surefoot.records.audit.limits import LIMITS
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.places import anew
 from surefoot.records.audit.rows import Measured, Rows, over, sliding_mean, sliding_sum
-from surefoot.records.audit.within_row import edges, rigid
+from surefoot.records.audit.within_row import edges, rigid, swing
 from surefoot.records.log import Log
 
 BASE = 7
@@ -56,6 +56,8 @@ def gap_rate(rows: Rows) -> Measured:
     touched = sliding_sum(np.where(edges(rows), _highest(step, 1), 0.0), w)
     if rows.setting.means:  # a mean of stages is that of no instant
         touched += sliding_sum(np.abs(np.diff(up, axis=0, append=up[-1:])) * rows.dt[:, None], w)
+    # a point of a limb that swings goes on along an arc
+    touched += sliding_sum(0.5 * rows.dt**2 * swing(rows), w)[:, None]
     return over(value, limits.gap + _highest(step, w) + touched + limits.drift * sliding_sum(step, w))
 
 

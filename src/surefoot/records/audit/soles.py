@@ -12,7 +12,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
-from surefoot.contact import Sole
+from surefoot.contact import Sole, outward
 from surefoot.records.audit.rows import Measured, Rows, over
 from surefoot.records.log import Log
 
@@ -89,10 +89,7 @@ def what_binds(sole: Sole, wrench: FloatArray) -> str:
     if force <= 0.0:
         return "has no normal force"
     pressed = np.array([-moment[1], moment[0]]) / force
-    ends = np.roll(sole.corners, -1, axis=0)
-    along = (ends - sole.corners) / np.linalg.norm(ends - sole.corners, axis=1)[:, None]
-    # corners go clockwise: outside of an edge is on its left
-    beyond = along[:, 0] * (pressed - sole.corners)[:, 1] - along[:, 1] * (pressed - sole.corners)[:, 0]
+    beyond = np.sum(outward(sole.corners) * (pressed - sole.corners), axis=1)
     edge = int(np.argmax(beyond))
     if beyond[edge] > 0.0:
         return f"presses {1e3 * beyond[edge]:.3g} mm beyond its {sole.edge_names[edge]}"

@@ -74,6 +74,13 @@ def turn_speed(rows: Rows) -> FloatArray:
     return np.asarray(np.abs(turns_of(rows)).max(axis=1, initial=0.0))
 
 
+def swing(rows: Rows) -> FloatArray:
+    """Return what limbs on the log's lever accelerate by as they swing: (T,) [m/s²]; zero of one body."""
+    if rigid(rows.log):
+        return np.zeros(rows.count)
+    return np.asarray(rows.setting.limits.continuity.lever * turn_speed(rows) ** 2)
+
+
 def limb_turns(rows: Rows, robot: LoggedRobot) -> FloatArray:
     """Return how far the link of each contact may turn within each row: (T, p) [rad].
 

@@ -46,8 +46,7 @@ def _shapeless_feet(subject: Subject) -> Iterator[Offence]:
         if foot.frame not in shaped:
             severity = "error" if foot.name in lacking else ""
             why = "its mesh is missing" if foot.name in lacking else "its link has no collision shape"
-            value = f"a ball of {1e3 * foot.radius:g} mm"
-            yield Offence(f"foot {foot.name}", value, f"a guess: {why}", severity)
+            yield Offence(f"foot {foot.name}", foot.size_words, f"a guess: {why}", severity)
 
 
 def _unlike_feet(subject: Subject) -> Iterator[Offence]:
@@ -60,7 +59,7 @@ def _unlike_feet(subject: Subject) -> Iterator[Offence]:
         own, usual = _sizes(foot), _sizes(other)
         if foot.flat != other.flat or not np.allclose(own, usual, rtol=SIZES, atol=1e-4):
             yield Offence(
-                f"foot {foot.name}", _size_words(foot), f"{other.name} has {_size_words(other)}",
+                f"foot {foot.name}", foot.size_words, f"{other.name} has {other.size_words}",
                 "error" if foot.flat != other.flat else "",
             )  # fmt: skip
     heights: list[float] = []
@@ -78,13 +77,6 @@ def _unlike_feet(subject: Subject) -> Iterator[Offence]:
 
 def _sizes(foot: Any) -> tuple[float, float, float]:
     return (*foot.size, foot.radius)
-
-
-def _size_words(foot: Any) -> str:
-    length, width = (1e3 * x for x in foot.size)
-    return (
-        f"a sole of {length:.0f} x {width:.0f} mm" if foot.flat else f"a ball of {1e3 * foot.radius:.3g} mm"
-    )
 
 
 def _bodies_in_ground(subject: Subject) -> Iterator[Offence]:

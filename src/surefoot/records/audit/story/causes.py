@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from surefoot.records.audit.report import Finding
-from surefoot.records.audit.story import balance_causes, control_causes, world_causes
+from surefoot.records.audit.story import control_causes, gait_causes, sensor_causes, world_causes
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 
@@ -59,6 +59,8 @@ WRONG_FRAME = Rule(
     "state the frame and the sign of every force in its name; turn it once",
     outside=True,
 )
+CATCH = "land earlier, and nearer to the capture point"
+CALIBRATE = "calibrate: the level of the base, the zeros of the joints"
 RULES = (
     Rule(
         "push", world_causes.push, "the impulse is too small to matter, or was long before",
@@ -79,11 +81,12 @@ RULES = (
     Rule(
         "slippery ground", world_causes.slippery, "the foot sticks on as much friction as before",
         "ask for less tangential force: slower, wider, the friction told to the controller", lasts=False,
-        alone=False,
+        alone=False, outside=True,
     ),
     Rule(
         "terrain edge", world_causes.edge, "all feet stand on the plane that they began on",
         "tell the gait of the ground, or lift the feet higher and land by touch", lasts=False, alone=False,
+        outside=True,
     ),
     Rule(
         "soft contact", world_causes.soft, "no contact goes deeper than shoes would",
@@ -111,20 +114,32 @@ RULES = (
         "ask for what is within reach", alone=False,
     ),
     Rule(
-        "foot placement", balance_causes.placement, "the capture point stays within the feet",
-        "land earlier, and nearer to the capture point", alone=False, residual=True,
+        "foot placement", gait_causes.placement, "feet land where and when they have landed so far",
+        CATCH, alone=False,
     ),
     Rule(
-        "slow gait", balance_causes.slow, "the body's way in a stance is within the legs' reach",
+        "foot placement", gait_causes.late_catch, "the capture point stays within the feet", CATCH,
+        alone=False, residual=True,
+    ),
+    Rule(
+        "slow gait", gait_causes.slow, "the body's way in a stance is within the legs' reach",
         "a shorter period for this speed", alone=False, residual=True,
     ),
     Rule(
-        "wrong mass", balance_causes.wrong_mass, "at rest the feet carry the weight and no more",
+        "wrong mass", sensor_causes.wrong_mass, "at rest the feet carry the weight and no more",
         "give the controller the mass and the centre of mass that there are", alone=False, outside=True,
     ),
     Rule(
-        "sensor bias", balance_causes.bias, "the body is not driven to one side from the start",
-        "calibrate: the level of the base, the zeros of the joints", alone=False, residual=True,
+        "sensor bias", sensor_causes.bias, "torques change with the motion", CALIBRATE, outside=True,
+        leads=True,
+    ),
+    Rule(
+        "sensor bias", sensor_causes.drift, "the body is not driven to one side from the start", CALIBRATE,
+        alone=False, residual=True,
+    ),
+    Rule(
+        "impossible command", sensor_causes.led_out, "the body stays within its feet",
+        "ask for what is within reach", alone=False, residual=True,
     ),
 )  # fmt: skip
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.spatial import GRAVITY
 from surefoot.records.audit.rows import sliding_mean
 from surefoot.records.audit.story.sign import Sign
@@ -17,6 +17,8 @@ LAGS, COARSE = 0.065, 0.004
 """Longest delay that is looked for, and in which steps at first [s]."""
 ENOUGH = 1500
 """Rows from which a delay is told; of a longer log every so many."""
+HELD, LEAST_TICKS = 0.95, 20
+"""Share of torques held for some rows that turn in chatter, of so many: by chance two of three turn."""
 
 
 def weak(s: Signals) -> Iterator[Sign]:
@@ -24,7 +26,7 @@ def weak(s: Signals) -> Iterator[Sign]:
     for time, name, factor in model_changes(s, "gain"):
         if factor < s.limits.weaker:
             yield Sign(time, name, f"the gain of {name} falls to {factor:.0%}", 1.0 - factor)
-    largest = _largest(s)
+    largest = largest_torques(s)
     if not len(largest):
         return
     for k, name in enumerate(s.joints):
@@ -33,7 +35,7 @@ def weak(s: Signals) -> Iterator[Sign]:
             yield sign
 
 
-def _largest(s: Signals) -> FloatArray:
+def largest_torques(s: Signals) -> FloatArray:
     """Return what torques are measured by: (joints,) their limits, else the largest of all."""
     most = np.abs(s.torques).max(axis=0, initial=0.0)
     return np.where(np.isfinite(s.torque_limits), s.torque_limits, np.full(len(most), most.max(initial=0.0)))
@@ -78,7 +80,8 @@ def saturation(s: Signals) -> Iterator[Sign]:
     """Yield torques that stay at their limits for most of a time while more is asked for."""
     for time, name, factor in model_changes(s, "torque limit"):
         if factor < s.limits.weaker:
-            yield Sign(time, name, f"the torque limit of {name} falls to {factor:.0%}", 1.0)
+            words = f"the torque limit of {name} falls to {factor:.0%}"
+            yield Sign(_first_short(s, time), name, words, 1.0)
     at = at_limit(s)
     for k, name in enumerate(s.joints):
         share = sliding_mean(at[:, k].astype(np.float64), s.rows(s.limits.window))
@@ -87,6 +90,13 @@ def saturation(s: Signals) -> Iterator[Sign]:
             begun = row + int(at[row:, k].argmax())
             words = f"{name} stays at its limit of {np.abs(s.torques[:, k]).max():.3g} N m"
             yield Sign(float(s.time[begun]), name, words, float(at[:, k].mean()))
+
+
+def _first_short(s: Signals, time: float) -> float:
+    """Return when from a time on more is asked for than is given [s]; that time where it never is."""
+    short = np.abs(s.asked - s.torques) > 0.02 * np.maximum(np.abs(s.asked), 1e-9)
+    later = short.any(axis=1) & (s.time >= time)
+    return float(s.time[int(later.argmax())]) if later.any() else time
 
 
 def at_limit(s: Signals) -> BoolArray:
@@ -110,31 +120,43 @@ def delay(s: Signals) -> Iterator[Sign]:
         return
     # what is asked for answers the state also while the motor is at its limit
     free = np.ones(q.shape, dtype=bool) if "torques_commanded" in s else ~at_limit(s)
-    torque, place, speed = (np.diff(signal, axis=0) for signal in (s.asked, q, v))
+
+    ticks = s.ticks[s.ticks >= longest]
+    pairs = ticks[:-1], ticks[1:]
 
     def left(lag: int) -> float:
-        return _open_share(torque, place, speed, free[1:], lag, longest)
+        return _open_share(s.asked, q, v, free, lag, pairs)
 
-    coarse = range(0, longest + 1, max(1, s.rows(COARSE)))
-    near = min(coarse, key=left)
-    best = min(range(max(near - coarse.step + 1, 0), min(near + coarse.step, longest + 1)), key=left)
+    step = max(1, s.rows(COARSE))
+    near = min(range(0, longest + 1, step), key=left)
+    best = min(range(max(near - step + 1, 0), min(near + step, longest + 1)), key=left)
     without = left(0)
-    if best * s.dt >= s.limits.lag and left(best) < without - s.limits.lag_better:
+    # a delay is one time: a little before and after it less is explained
+    beside = min(left(lag) for lag in (best - 2 * step, best + 2 * step) if 0 <= lag <= longest)
+    sharp = left(best) < beside - 0.5 * s.limits.lag_better
+    if sharp and best * s.dt >= s.limits.lag and left(best) < without - s.limits.lag_better:
         words = f"torques answer the state of {1e3 * best * s.dt:.0f} ms ago"
         yield Sign(float(s.time[0]), "body", words, 1.0 - left(best) / without)
 
 
 def _open_share(
-    torque: FloatArray, q: FloatArray, v: FloatArray, free: BoolArray, lag: int, longest: int
+    torque: FloatArray,
+    q: FloatArray,
+    v: FloatArray,
+    free: BoolArray,
+    lag: int,
+    pairs: tuple[IntArray, IntArray],
 ) -> float:
     """Return the share of torques' changes (T, joints) that those of q and v so many rows before leave open.
 
-    Joint by joint a stiffness and a damping are fitted, by the rows that are `free` (T, joints).
+    Changes are those between pairs of rows. Joint by joint a stiffness and a damping are fitted, by the rows
+    that are `free` (T, joints).
     """
-    stride = max(1, len(q) // ENOUGH)
-    now, back = slice(longest, None, stride), slice(longest - lag, len(q) - lag, stride)
-    on = free[now]
-    t, x, y = (np.where(on, part, 0.0) for part in (torque[now], q[back], v[back]))
+    stride = max(1, len(pairs[0]) // ENOUGH)
+    one, two = (rows[::stride] for rows in pairs)
+    on = free[two]
+    t = np.where(on, torque[two] - torque[one], 0.0)
+    x, y = (np.where(on, part[two - lag] - part[one - lag], 0.0) for part in (q, v))
     total = np.sum(t * t, axis=0)
     xx, yy, xy = np.sum(x * x, axis=0), np.sum(y * y, axis=0), np.sum(x * y, axis=0)
     tx, ty = np.sum(t * x, axis=0), np.sum(t * y, axis=0)
@@ -149,18 +171,22 @@ def chatter(s: Signals) -> Iterator[Sign]:
     """Yield torques that turn nearly every row, by a good part of what they can give."""
     if not s.torques.shape[1] or len(s.time) < 4:
         return
-    step = np.diff(s.asked, axis=0, prepend=s.asked[:1])
+    ticks = s.ticks
+    asked = s.asked[ticks]
+    step = np.diff(asked, axis=0, prepend=asked[:1])
     flips = np.zeros(step.shape, dtype=bool)
     flips[1:] = step[1:] * step[:-1] < 0.0
-    largest = np.maximum(_largest(s), 1e-9)
-    window = s.rows(0.5 * s.limits.window)
+    largest = np.maximum(largest_torques(s), 1e-9)
+    window = max(s.rows(0.5 * s.limits.window) // s.hold, 1)
+    if s.hold > 1:  # what is held for long turns now and then by chance
+        window = max(window, LEAST_TICKS)
     turning = sliding_mean(flips.astype(np.float64), window)
     swing = np.sqrt(sliding_mean(step**2, window)) / largest
-    on = (turning > s.limits.flips) & (swing > s.limits.swing)
+    on = (turning > (s.limits.flips if s.hold == 1 else HELD)) & (swing > s.limits.swing)
     for k, name in enumerate(s.joints):
-        row = s.first(on[:, k], window)
-        if row is not None:
-            share, size = turning[row, k], swing[row, k]
+        at = s.first(on[:, k], window)
+        if at is not None:
+            row, share, size = int(ticks[at]), turning[at, k], swing[at, k]
             words = f"the torque of {name} turns in {share:.0%} of rows, by {size:.0%} of its largest"
             yield Sign(float(s.time[row]), name, words, float(turning[:, k].mean()))
 
@@ -185,7 +211,7 @@ def _at_stops(s: Signals) -> Iterator[Sign]:
         return
     low, high = np.asarray(ranges, dtype=np.float64).T
     slack = 0.01 * np.where(np.isfinite(high - low), high - low, 0.0)
-    least = 0.5 * np.maximum(_largest(s), 1e-9)
+    least = 0.5 * np.maximum(largest_torques(s), 1e-9)
     into = ((q > high - slack) & (s.asked > least)) | ((q < low + slack) & (s.asked < -least))
     for k, name in enumerate(s.joints):
         row = s.first(into[:, k], s.rows(s.limits.stop_time))

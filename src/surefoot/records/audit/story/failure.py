@@ -48,6 +48,8 @@ def fall(s: Signals) -> Event | None:
 
 def slide(s: Signals) -> Event | None:
     """Return the first slide of feet that goes on for more than a bit."""
+    if s.bolted and s.torques.shape[1]:
+        return None  # a hand that slides does not fall
     if not s.sliding.any() or (s.on_movable.any() and not s.torques.shape[1]):
         return None  # what cannot move by itself slides where it is pushed
     way = np.cumsum(s.slip_speed * s.sliding * s.dt, axis=0)
@@ -60,3 +62,30 @@ def slide(s: Signals) -> Event | None:
     begun = max(row - window, 0) + int(s.sliding[max(row - window, 0) : row + 1, k].argmax())
     total = float(way[-1].max())
     return Event("slides", float(s.time[begun]), s.names[k], f"{total:.2f} m with its friction used up")
+
+
+def stray(s: Signals) -> Event | None:
+    """Return when a robot that is commanded a velocity is no more where that leads, by far."""
+    if "command" not in s or not s.floating or s.height <= 0.0:
+        return None
+    command = s.numbers("command")[:, :2]
+    asked = np.einsum("ti,tij->tj", command, s.heading)
+    due = np.cumsum(asked * s.dt, axis=0)
+    went = s.com - s.com[0]
+    off = np.linalg.norm(went - np.outer(went @ s.up, s.up) - due, axis=1)
+    path = np.cumsum(np.linalg.norm(command, axis=1) * s.dt)
+    row = s.first(off > s.limits.strays * s.height + 0.5 * path, s.rows(s.limits.brief))
+    if row is None:
+        return _crooked(s)
+    words = f"it is {off[row]:.2f} m from where its command leads, which is {path[row]:.2f} m away"
+    return Event("strays", float(s.time[row]), "body", words)
+
+
+def _crooked(s: Signals) -> Event | None:
+    """Return since when a robot leans until the end, if it does."""
+    upright = s.lean < s.limits.crooked
+    row = len(upright) - int(np.argmax(upright[::-1]))
+    if not upright.any() or (len(upright) - row) * s.dt < s.limits.lies:
+        return None
+    words = f"the base leans by {np.degrees(s.lean[row:].mean()):.0f} deg to the end"
+    return Event("stands crooked", float(s.time[row]), "body", words)

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.numerics.phases import runs_of
 from surefoot.base.spatial import GRAVITY, rotation_from_normal, rotation_from_quaternion
 from surefoot.mechanics import frames_on
@@ -74,7 +74,30 @@ class Signals:
 
     @cached_property
     def floating(self) -> bool:
-        """Whether the robot has a free base, so that it can fall."""
+        """Whether the robot has a base that is free, in space or in an upright plane: it can fall."""
+        return self.free or self.plane_turn is not None
+
+    @cached_property
+    def bolted(self) -> bool:
+        """Whether the log's model says that the base cannot move."""
+        root = self.texts("model_joint_kinds")[:1]
+        return bool(root) and root != ("free",) and "free_wrenches" not in self.log.facts
+
+    @cached_property
+    def plane_turn(self) -> int | None:
+        """Which joint of a base turns it in the upright plane that it moves in; None for other bases."""
+        wrenches = np.asarray(self.log.facts.get("free_wrenches", np.zeros((0, 6))), dtype=np.float64)
+        if wrenches.ndim != 2 or wrenches.shape[1:] != (6,) or not 1 < len(wrenches) < 6 or "q" not in self:
+            return None
+        turns = np.linalg.norm(wrenches[:, 3:], axis=1) > 0.5
+        rises = np.abs(wrenches[:, :3] @ self.up) > 0.5
+        if turns.sum() != 1 or not rises.any() or len(wrenches) > self.numbers("q").shape[1]:
+            return None
+        return int(turns.argmax())
+
+    @cached_property
+    def free(self) -> bool:
+        """Whether the base is free in space."""
         log = self.log
         if not {"q", "v"} <= set(log.arrays) or len(log) == 0:
             return False
@@ -84,7 +107,10 @@ class Signals:
     @cached_property
     def lean(self) -> FloatArray:
         """(T,) angle of the base's up axis from where it was at first [rad]; zero without a free base."""
-        if not self.floating:
+        if self.plane_turn is not None:
+            angle = self.numbers("q")[:, self.plane_turn]
+            return np.asarray(np.abs(angle - angle[0]))
+        if not self.free:
             return np.zeros(len(self.time))
         turn = self.numbers("q")[:, 3:7].copy()
         turn[~turn.any(axis=1)] = turn[0]  # what was NaN
@@ -96,7 +122,7 @@ class Signals:
         """(T, 3) centre of mass, the base where the log has no other [m]."""
         if "com" in self:
             return self.numbers("com")
-        return self.numbers("q")[:, :3] if self.floating else np.zeros((len(self.time), 3))
+        return self.numbers("q")[:, :3] if self.free else np.zeros((len(self.time), 3))
 
     @cached_property
     def com_velocity(self) -> FloatArray:
@@ -211,6 +237,20 @@ class Signals:
         return rotation_from_normal(self.up).T[:2]
 
     @cached_property
+    def heading(self) -> FloatArray:
+        """(T, 2, 3) axes across gravity: along the base's first axis, and to its left."""
+        axes = np.broadcast_to(self.level_axes, (len(self.time), 2, 3))
+        if not self.free:
+            return axes
+        turn = self.numbers("q")[:, 3:7].copy()
+        turn[~turn.any(axis=1)] = (1.0, 0.0, 0.0, 0.0)
+        level = rotation_from_quaternion(turn)[:, :, 0] @ self.level_axes.T
+        size = np.linalg.norm(level, axis=1, keepdims=True)
+        level = np.where(size > 1e-6, level / np.maximum(size, 1e-6), (1.0, 0.0))
+        across = np.stack([-level[:, 1], level[:, 0]], axis=1)
+        return np.stack([level @ self.level_axes, across @ self.level_axes], axis=1)
+
+    @cached_property
     def capture_outside(self) -> FloatArray:
         """(T,) how far the capture point is outside the feet's hull [m]; zero inside, NaN in the air."""
         from scipy.spatial import ConvexHull, QhullError
@@ -242,6 +282,20 @@ class Signals:
         """(T, joints) torques that were asked for, the given ones where the log has no other [N m, N]."""
         asked = self.numbers("torques_commanded") if "torques_commanded" in self else self.torques
         return asked if asked.shape == self.torques.shape else self.torques
+
+    @cached_property
+    def ticks(self) -> IntArray:
+        """(n,) rows in which something new is asked for, the first among them: a controller may hold it."""
+        new = np.ones(len(self.time), dtype=bool)
+        if self.asked.shape[1]:
+            new[1:] = (self.asked[1:] != self.asked[:-1]).any(axis=1)
+        return np.flatnonzero(new)
+
+    @cached_property
+    def hold(self) -> int:
+        """Rows for which what is asked for is held, as a rule."""
+        gaps = np.diff(self.ticks)
+        return int(np.median(gaps)) if len(gaps) else 1
 
     @cached_property
     def torque_limits(self) -> FloatArray:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.report import Finding
 from surefoot.records.audit.story.causes import RULES, WRONG_FRAME, Rule, frame_sign
-from surefoot.records.audit.story.failure import fall, slide
+from surefoot.records.audit.story.failure import fall, slide, stray
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
+from surefoot.records.audit.story.story_limits import STORY_LIMITS, StoryLimits
 from surefoot.records.audit.story.told import Cause, Event, Story
 from surefoot.records.log import Log
 
@@ -17,7 +18,10 @@ MOST_ROWS = 200_000
 """Rows that a story is read from: of a longer log the last."""
 
 
-def story_of(log: Log, setting: Setting, symptoms: tuple[Finding, ...], task_failed: str) -> Story:
+def story_of(
+    log: Log, setting: Setting, symptoms: tuple[Finding, ...], task_failed: str,
+    limits: StoryLimits = STORY_LIMITS,
+) -> Story:  # fmt: skip
     """Return the story of a log.
 
     Parameters
@@ -28,14 +32,16 @@ def story_of(log: Log, setting: Setting, symptoms: tuple[Finding, ...], task_fai
         Of its audit, the strongest first.
     task_failed
         How the task failed; empty if it did not.
+    limits
+        What counts as an event, and as evidence.
     """
     if len(log) < 2 or "forces" not in log or not setting.names:
         return Story()
     if len(log) > MOST_ROWS:
         log = log.rows(slice(len(log) - MOST_ROWS, None))
-    s = Signals(log, setting)
-    happened = [event for event in (fall(s), slide(s)) if event is not None]
-    failed = next(iter(happened), None)
+    s = Signals(log, setting, limits)
+    happened = [event for event in (fall(s), slide(s), stray(s)) if event is not None]
+    failed = next(iter(happened), None)  # a fall says more than a slide, that more than a way
     if failed is None and task_failed:
         failed = Event("task failed", float(s.time[-1]), "body", task_failed)
     frame = next(WRONG_FRAME.find(s), None) or frame_sign(symptoms)
@@ -91,4 +97,6 @@ def _may_explain(rule: Rule, sign: Sign, s: Signals, failed: Event | None) -> bo
         return not rule.residual and (rule.alone or not s.floating or not s.torques.shape[1])
     if sign.time > failed.time + 0.5 * s.limits.brief:
         return False
+    if rule.leads and failed.name == "fell" and failed.time - sign.time < 0.5 * s.pendulum_time:
+        return False  # nothing falls that fast: it was falling already
     return rule.lasts or failed.time - sign.time < s.limits.fades

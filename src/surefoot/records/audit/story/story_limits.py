@@ -15,6 +15,10 @@ class StoryLimits(Settings):
     used_up: float = setting(0.95, "-", "share of mu from which friction is used up", low=0.0)
     slip_speed: float = setting(0.03, "m/s", "speed from which a loaded contact slides", low=0.0)
     slide: float = setting(0.04, "m", "way from which a slide of feet is one that matters", low=0.0)
+    strays: float = setting(
+        0.35, "h", "way beside what a command leads to that fails it, and half of that way", low=0.0
+    )
+    crooked: float = setting(0.2, "rad", "lean of the base to the end, with which it stands crooked", low=0.0)
     lean: float = setting(0.5, "rad", "lean of the base from which it falls", low=0.0)
     drop: float = setting(0.35, "-", "share of its height that a falling centre of mass has lost", low=0.0)
     brief: float = setting(0.02, "s", "shortest time of what is an event", low=0.0)
@@ -44,7 +48,7 @@ class StoryLimits(Settings):
     window: float = setting(0.1, "s", "that time", low=0.0)
     flips: float = setting(0.25, "-", "share of rows in which a chattering torque turns", low=0.0)
     swing: float = setting(0.3, "-", "size of that, over the largest torque", low=0.0)
-    lag: float = setting(0.008, "s", "delay of torques behind the state they answer", low=0.0)
+    lag: float = setting(0.012, "s", "delay of torques behind the state they answer", low=0.0)
     lag_better: float = setting(
         0.05, "-", "share of the torques' changes that it explains beyond what no delay does", low=0.0
     )
@@ -57,6 +61,7 @@ class StoryLimits(Settings):
         0.08, "m g", "force that lifts or drops a body at rest, of a controller for another mass", low=0.0
     )
     drives: float = setting(0.3, "m g", "such a force along the ground, of another centre of mass", low=0.0)
+    biased: float = setting(0.15, "-", "torque asked for that no motion explains, over the largest", low=0.0)
     stop_time: float = setting(0.15, "s", "time for which a joint pushes against its stop", low=0.0)
 
 

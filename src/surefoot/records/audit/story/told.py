@@ -98,4 +98,10 @@ class Story:
         return " ".join(lines)
 
 
-_VERBS = {"fell": "fell", "slides": "began to slide", "task failed": "had failed its task"}
+_VERBS = {
+    "fell": "fell",
+    "slides": "began to slide",
+    "strays": "had lost its way",
+    "stands crooked": "began to stand crooked",
+    "task failed": "had failed its task",
+}

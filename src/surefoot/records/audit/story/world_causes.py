@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
-from surefoot.base.numerics.phases import runs_of
+from surefoot.base.numerics.phases import joined_runs
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import frames_on
 from surefoot.records.audit.model_changes import logged_changes
@@ -15,6 +15,9 @@ from surefoot.records.audit.rows import sliding_mean, sliding_sum
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.symptoms.fits import rotation_between
+
+CLOSE = 0.2
+"""What is this close to a bolted base, over the robot's reach, belongs to it."""
 
 
 def model_changes(s: Signals, kind: str) -> Iterator[tuple[float, str, float]]:
@@ -48,7 +51,7 @@ def _outside(s: Signals) -> Iterator[tuple[int, int, FloatArray, str]]:
     place = s.numbers("pushed_body") if "pushed_body" in s else np.full(len(on), -1.0)
     if "pushed_body" in s:
         on &= place >= 0.0
-    for start, end in spans(on):
+    for start, end in joined_runs(on):
         k = int(place[start])
         yield start, end, force, links[k] if 0 <= k < len(links) else "body"
 
@@ -59,7 +62,7 @@ def _hits(s: Signals) -> Iterator[tuple[int, int, FloatArray, str]]:
         return  # what cannot move by itself is pushed on purpose
     for k in np.flatnonzero(s.on_movable & ~_bears_robot(s)):
         on = s.forces[:, k, 2] > s.limits.loaded * s.weight
-        for start, end in spans(on, s.rows(s.limits.lies)):
+        for start, end in joined_runs(on, s.rows(s.limits.lies)):
             if (end - start) * s.dt < s.limits.lies:
                 yield start, end, s.world_forces[:, k], s.links[k]
 
@@ -82,7 +85,7 @@ def payload(s: Signals) -> Iterator[Sign]:
         mine = s.on_movable & np.array([other == link for other in s.links])
         above = s.normals[:, mine] @ s.up < -0.7
         down = np.where(above, -(s.world_forces[:, mine] @ s.up), 0.0).sum(axis=1)
-        for start, end in spans(down > 0.0, s.rows(s.limits.lies)):
+        for start, end in joined_runs(down > 0.0, s.rows(s.limits.lies)):
             mean = float(down[start:end].mean())
             if (end - start) * s.dt >= s.limits.lies and mean > s.limits.payload * s.weight:
                 yield Sign(float(s.time[start]), link, f"{mean / GRAVITY:.2g} kg lies on {link}", 1.0)
@@ -186,7 +189,8 @@ def returned_energy(s: Signals) -> Iterator[Sign]:
         return
     dead = np.asarray(s.log.facts.get("critically_damped", np.zeros(len(s.names)))) > 0.0
     dead &= ~s.on_movable
-    power = np.where(dead, s.forces[..., 2] * s.numbers("contact_velocities")[..., 2], 0.0)
+    struck = _struck(s)
+    power = np.where(dead & ~struck[:, None], s.forces[..., 2] * s.numbers("contact_velocities")[..., 2], 0.0)
     given = sliding_sum(np.maximum(power, 0.0).sum(axis=1), s.rows(s.limits.lies)) * s.dt
     row = int(given.argmax())
     if given[row] > s.limits.returned * s.weight * s.height:
@@ -199,8 +203,20 @@ def returned_energy(s: Signals) -> Iterator[Sign]:
         yield Sign(float(s.time[first]), s.links[k], words, 1.0)
 
 
+def _struck(s: Signals) -> BoolArray:
+    """Return (T,) where something that can move has just begun to press: the ground gives back that blow."""
+    on = (s.loaded & s.on_movable).any(axis=1)
+    begun = np.flatnonzero(on & ~np.concatenate([[False], on[:-1]]))
+    out = np.zeros(len(on), dtype=bool)
+    for row in begun:
+        out[row : row + s.rows(s.limits.lies)] = True
+    return out
+
+
 def self_collision(s: Signals) -> Iterator[Sign]:
-    """Yield links of the robot that press on each other."""
+    """Yield links of the robot that press on each other, or on the stand that they are bolted to."""
+    if s.bolted:
+        yield from _hits_stand(s)
     if "inner_force" not in s:
         return
     force = s.numbers("inner_force")
@@ -211,6 +227,24 @@ def self_collision(s: Signals) -> Iterator[Sign]:
     pair = [links[int(k)] for k in s.numbers("inner_bodies")[row] if 0 <= int(k) < len(links)]
     words = f"{' and '.join(pair)} press on each other with up to {force[row:].max():.3g} N"
     yield Sign(float(s.time[row]), ", ".join(pair) or "body", words, 1.0)
+
+
+def _hits_stand(s: Signals) -> Iterator[Sign]:
+    """Yield links of a bolted robot that press on what stands still under its base, or close by."""
+    offsets = np.asarray(s.log.facts.get("model_positions", np.zeros((0, 3))), dtype=np.float64)
+    if len(offsets) < 2 or "contact_positions" not in s:
+        return
+    reach = float(np.linalg.norm(offsets[1:], axis=1).sum())
+    away = np.linalg.norm((s.positions - offsets[0]) @ s.level_axes.T, axis=-1)
+    on = s.loaded & ~s.on_movable & (away < CLOSE * reach)
+    touched = s.texts("contact_with")
+    for k in range(on.shape[1]):
+        row = s.first(on[:, k], s.rows(0.25 * s.limits.brief))
+        if row is not None:
+            stand = touched[k] if k < len(touched) else "the stand"
+            most = float(s.forces[row:, k, 2].max())
+            words = f"{s.links[k]} presses on {stand} at its own base with up to {most:.3g} N"
+            yield Sign(float(s.time[row]), s.links[k], words, 1.0)
 
 
 def wrong_frame(s: Signals) -> Iterator[Sign]:
@@ -255,14 +289,3 @@ def _turned_about_normals(s: Signals, needed: FloatArray) -> FloatArray:
     cosine, sine = np.linalg.lstsq(basis, (needed - rest).ravel(), rcond=None)[0]
     size = max(float(np.hypot(cosine, sine)), 1e-9)
     return np.asarray(rest + (cosine * part[0] + sine * part[1]) / size)
-
-
-def spans(on: BoolArray, join: int = 1) -> list[tuple[int, int]]:
-    """Return the runs of (T,) flags, those that less than `join` rows part taken for one."""
-    out: list[tuple[int, int]] = []
-    for start, end in runs_of(on):
-        if out and start - out[-1][1] < join:
-            out[-1] = out[-1][0], end
-        else:
-            out.append((start, end))
-    return out

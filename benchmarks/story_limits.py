@@ -1,0 +1,233 @@
+"""Vary the limits of an audit's story, one at a time, over strangers' loops that fail of known causes.
+
+Run: python -m benchmarks.story_limits [NAME...] [--seeds 10] [--lawful 15] [--keep FOLDER] [--json]. NAME is
+a limit of `surefoot.records.audit.story.story_limits.StoryLimits`; all without one. FOLDER keeps the runs,
+which are simulated once. Only the seeds for tuning are looked at, never those that are held back.
+
+A run is told right if its first cause is the one that was injected, in name, place and time, or if it is a
+lawful control and no cause is named (`benchmarks.foreign.race`). Each limit is moved away from its value in
+both directions until fewer runs are told right, by more than one: one is a matter of a seed. Printed are the
+range over which as many are, and how many are beyond it. The choice of a limit is repeated if no value that
+was tried tells more runs right, and at least one tells fewer; a limit whose value makes no difference is not
+decided by these runs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, fields, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import surefoot as sf
+from benchmarks.foreign.fault import Fault, Run
+from benchmarks.foreign.loops import LOOPS, failed
+from benchmarks.foreign.race import LAWFUL, TUNING, is_right, plan
+from benchmarks.limits import values_away
+from surefoot.base.errors import ProblemError, unknown_name
+from surefoot.base.settings import DescribedSetting, describe
+from surefoot.records.audit import auditor
+from surefoot.records.audit.story import story
+from surefoot.records.audit.story.causes import RULES, WRONG_FRAME, Rule
+from surefoot.records.audit.story.sign import Sign
+from surefoot.records.audit.story.signals import Signals
+from surefoot.records.audit.story.story_limits import STORY_LIMITS, StoryLimits
+from surefoot.records.log.reading import read_log
+
+FACTORS = (1.5, 2.0, 4.0, 16.0, 64.0)
+"""Steps away from a limit's value, each way; of its distance from one, too, where that is small."""
+SEED = 1
+"""Difference of runs told right that may be a matter of one seed."""
+
+
+@dataclass(frozen=True)
+class Told:
+    """A run, and what its audit gives the story to read.
+
+    Attributes
+    ----------
+    run, given
+        The run, and the first arguments of `story_of`.
+    known
+        By rule: the limits that it reads in this run, and what it finds with their own values.
+    """
+
+    run: Run
+    given: tuple[Any, ...]
+    known: Mapping[Rule, tuple[set[str], tuple[Sign, ...]]]
+
+    def right(self, limits: StoryLimits, changed: str) -> bool:
+        """Return whether the story says the right thing with these limits, of which one may be changed.
+
+        Rules that do not read it find what they have found.
+        """
+        rules = [self._known_rule(rule, changed) for rule in RULES]
+        with replaced(story, RULES=rules, WRONG_FRAME=self._known_rule(WRONG_FRAME, changed)):
+            causes = story.story_of(*self.given, limits).causes
+        if self.run.fault is None:
+            return not causes
+        return bool(causes) and is_right(self.run, causes[0].name, str(causes[0].where), causes[0].time)
+
+    def _known_rule(self, rule: Rule, changed: str) -> Rule:
+        read, found = self.known[rule]
+        return rule if changed in read else replace(rule, find=lambda s: iter(found))
+
+
+@contextmanager
+def replaced(module: Any, **values: Any) -> Iterator[None]:
+    """Give names of a module other values for a while."""
+    before = {name: getattr(module, name) for name in values}
+    vars(module).update(values)
+    try:
+        yield
+    finally:
+        vars(module).update(before)
+
+
+def limits_read(rule: Rule, given: tuple[Any, ...]) -> tuple[set[str], tuple[Sign, ...]]:
+    """Return the names of the limits that a rule reads of a run, and what it finds there."""
+    read: set[str] = set()
+    names = {one.name for one in fields(StoryLimits)}
+
+    def get(self: Any, name: str) -> Any:
+        if name in names:
+            read.add(name)
+        return object.__getattribute__(self, name)
+
+    noted = type("NotedLimits", (StoryLimits,), {"__getattribute__": get})()
+    read.clear()
+    log, setting = given[:2]
+    return read, tuple(rule.find(Signals(log.rows(slice(-story.MOST_ROWS, None)), setting, noted)))
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What came of varying one limit.
+
+    Attributes
+    ----------
+    name, value
+        Of the limit.
+    right, runs
+        Runs told right with its value, of how many.
+    low, high
+        Least and largest value tried, next to its own, with which no fewer are told right.
+    tried
+        (value, runs told right) of all that were tried, rising.
+    """
+
+    name: str
+    value: float
+    right: int
+    runs: int
+    low: float
+    high: float
+    tried: tuple[tuple[float, int], ...]
+
+    @property
+    def better(self) -> tuple[float, ...]:
+        """Values with which more runs are told right."""
+        return tuple(value for value, right in self.tried if right > self.right + SEED)
+
+    @property
+    def verdict(self) -> str:
+        """Whether the choice is repeated, and the values that do as well."""
+        if self.better:
+            return "better: " + ", ".join(f"{value:.4g}" for value in self.better)
+        if all(right >= self.right - SEED for _, right in self.tried):
+            return "not decided: all values tried do as well"
+        return f"as good from {self.low:.4g} to {self.high:.4g}"
+
+
+def told_runs(seeds: int, lawful: int, keep: Path | None) -> Iterator[Told]:
+    """Yield the runs of the seeds for tuning and lawful controls, audited once."""
+    loops = {loop.name: loop for loop in LOOPS}
+    caught: list[tuple[Any, ...]] = []
+    whole = auditor.story_of
+
+    def noting(*given: Any) -> Any:
+        caught.append(given)
+        return whole(*given)
+
+    for loop, cause, seed in plan(range(min(seeds, TUNING)), lawful):
+        make = partial(failed, cause, seed) if cause else partial(loops[loop].lawful, seed)
+        run = make() if keep is None else _kept(keep / f"{cause or loop} {seed}", make)
+        with replaced(auditor, story_of=noting):
+            sf.audit_log(run.log)
+        given = caught.pop()
+        yield Told(run, given, {rule: limits_read(rule, given) for rule in (*RULES, WRONG_FRAME)})
+
+
+def _kept(path: Path, make: Callable[[], Run]) -> Run:
+    """Return a run from its file and the truth beside it, made where there is none."""
+    log, truth = path.with_suffix(".npz"), path.with_suffix(".json")
+    if not truth.exists():
+        run = make()
+        run.log.save(log)
+        fault = None if run.fault is None else [run.fault.cause, list(run.fault.places)]
+        said = [run.loop, run.seed, run.attempt, fault, run.onset, run.failure, run.failed_at]
+        truth.write_text(json.dumps(said), encoding="utf-8")
+    loop, seed, attempt, fault, onset, failure, at = json.loads(truth.read_text(encoding="utf-8"))
+    known = None if fault is None else Fault(fault[0], tuple(fault[1]))
+    return Run(loop, seed, attempt, read_log(log), known, onset, failure, at)
+
+
+def vary(one: DescribedSetting, runs: Sequence[Told]) -> Choice:
+    """Return what comes of varying a limit over runs."""
+    value = float(one.value)
+    tried = {value: _count(runs, STORY_LIMITS, one.name)}
+    ends = [value, value]
+    for way in (0, 1):
+        near = values_away(one.name, value, one.info.whole, bool(way), FACTORS)
+        far = {value * (factor if way else 1.0 / factor) for factor in FACTORS}
+        for new in sorted({*near, *far}, reverse=not way):
+            low, high = one.info.low, one.info.high
+            clipped = min(max(new, -math.inf if low is None else low), math.inf if high is None else high)
+            if clipped in tried:
+                break
+            tried[clipped] = _count(runs, replace(STORY_LIMITS, **{one.name: clipped}), one.name)
+            if tried[clipped] < tried[value] - SEED:
+                break
+            ends[way] = clipped
+    return Choice(one.name, value, tried[value], len(runs), ends[0], ends[1], tuple(sorted(tried.items())))
+
+
+def _count(runs: Sequence[Told], limits: StoryLimits, changed: str) -> int:
+    return sum(run.right(limits, changed) for run in runs)
+
+
+def main() -> None:
+    """Print a line for each limit."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("names", nargs="*", help="limits (default: all)")
+    parser.add_argument("--seeds", type=int, default=TUNING, help="seeds of each cause")
+    parser.add_argument("--lawful", type=int, default=LAWFUL, help="lawful controls of each loop")
+    parser.add_argument("--keep", type=Path, help="folder of the runs")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    given = parser.parse_args()
+    every = {one.name: one for one in describe(STORY_LIMITS)}
+    for name in given.names:
+        if name not in every:
+            raise ProblemError(unknown_name("limit of a story", name, tuple(every)))
+    runs = list(told_runs(given.seeds, given.lawful, given.keep))
+    found = []
+    for name in given.names or every:
+        one = vary(every[name], runs)
+        found.append(asdict(one) | {"verdict": one.verdict})
+        if not given.json:
+            told = f"{one.verdict}; {one.right} of {one.runs}"
+            print(f"{name:12} {one.value:8.4g} {every[name].info.unit:9} {told}")
+            print(f"{'':12} " + ", ".join(f"{value:.4g}: {right}" for value, right in one.tried), flush=True)
+    if given.json:
+        print(json.dumps(found))
+    else:
+        print(f"{sum(one['verdict'].startswith('as good') for one in found)} of {len(found)} limits decided")
+
+
+if __name__ == "__main__":
+    main()

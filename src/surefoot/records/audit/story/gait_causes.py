@@ -1,0 +1,210 @@
+"""Causes that lie in a gait: feet that land elsewhere or later than so far, stances that last too long.
+
+A gait repeats itself, so that a foot's own landings tell where it belongs: in front of the centre of mass by
+so much, after a swing of so long. What a changed velocity asks of a foothold (half of the way of a stance,
+and a part to slow down) is no misplacement.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.numerics.phases import joined_runs
+from surefoot.records.audit.story.sign import Sign
+from surefoot.records.audit.story.signals import Signals
+
+REACH = 0.8
+"""Way of the body in a stance, over its height, from which the gait is too slow for the speed."""
+TIPS, ALONE = 1.6, 1.05
+"""Times sqrt(h / g) for which a body stands on two feet of four, or its only foot, before it tips."""
+HISTORY = 2
+"""Landings of a foot from which it is known where it belongs."""
+BESIDE, FOLLOWS = 0.1, 0.1
+"""Way beside that over the height, and what a change of velocity moves a foothold by [s]."""
+MOMENT = 0.3
+"""Time in which steps of several feet are of one disturbance [s]."""
+LATER = 1.2
+"""Time of a swing over the longest before."""
+SURE = 0.6
+"""Strength of what a gait itself says."""
+
+
+class Landing(NamedTuple):
+    """A foot that lands: rows of its lift and landing, and the foothold and velocity (2,) [m, m/s].
+
+    Both are along the body's heading and across it; the foothold is seen from the centre of mass.
+    """
+
+    lifted: int
+    row: int
+    place: FloatArray
+    velocity: FloatArray
+
+
+def feet_down(s: Signals) -> dict[str, BoolArray]:
+    """Return link to where (T,) a foot of it is loaded on ground that stands still."""
+    feet = s.is_foot & ~s.on_movable
+    owners = dict.fromkeys(s.links[k] for k in np.flatnonzero(feet))
+    return {one: s.loaded[:, feet & np.array([x == one for x in s.links])].any(axis=1) for one in owners}
+
+
+def landings(s: Signals) -> dict[str, list[Landing]]:
+    """Return link to its landings after swings of 50 ms or more, by time."""
+    feet = s.is_foot & ~s.on_movable
+    out = {}
+    for link, down in feet_down(s).items():
+        mine = feet & np.array([x == link for x in s.links])
+        out[link] = [
+            _landing(s, mine, start, end, s.heading[end])
+            for start, end in _swings(down, s.rows(0.02))
+            if (end - start) * s.dt > 0.05
+        ]
+    return out
+
+
+def _swings(down: BoolArray, least: int) -> Iterator[tuple[int, int]]:
+    """Yield the rows of lift and landing of swings, loads of less than `least` rows left out."""
+    stances = [(a, b) for a, b in joined_runs(down, least) if b - a >= least]
+    if stances and stances[0][0] > 0:
+        yield 0, stances[0][0]
+    for (_, lifted), (landed, _) in pairwise(stances):
+        yield lifted, landed
+
+
+def _landing(s: Signals, mine: BoolArray, lifted: int, row: int, turn: FloatArray) -> Landing:
+    on = mine & s.loaded[row]
+    place = s.positions[row][on].mean(axis=0) - s.com[row]
+    return Landing(lifted, row, turn @ place, turn @ s.com_velocity[row])
+
+
+def walks(s: Signals) -> bool:
+    """Return whether a foot ever lands after a swing."""
+    return any(landings(s).values())
+
+
+def left_the_feet(s: Signals) -> int | None:
+    """Return the row from which on the capture point stays outside the feet until the end or a fall."""
+    outside = np.nan_to_num(s.capture_outside) > 0.02 * max(s.height, 0.1)
+    long = [(a, b) for a, b in joined_runs(outside, s.rows(0.05)) if (b - a) * s.dt > 0.1]
+    return long[0][0] if long else None
+
+
+def placement(s: Signals) -> Iterator[Sign]:
+    """Yield the foot that lands beside where it landed before, or later than its swings before.
+
+    One foot's wrong step disturbs the others' next ones: of those of a moment the worst is told.
+    """
+    found = []
+    for link, landed in landings(s).items():
+        found += [x for x in (_beside(s, link, landed), _late(s, link, landed)) if x is not None]
+    first = min((sign.time for sign in found), default=0.0)
+    yield from sorted((x for x in found if x.time <= first + MOMENT), key=lambda x: -x.strength)[:1]
+
+
+def late_catch(s: Signals) -> Iterator[Sign]:
+    """Yield a foot whose step did not catch the body: the capture point was out of its reach."""
+    row, landed = left_the_feet(s), landings(s)
+    if row is None or len(landed) < 2 or slow_for_speed(s, row):
+        return
+    last = [(x.row, link) for link, one in landed.items() for x in one if x.row <= row + s.rows(0.15)]
+    if last:
+        t, link = max(last)
+        words = f"the capture point leaves the feet at {s.time[row]:.2f} s, after {link} has landed"
+        yield Sign(float(s.time[t]), link, words, 0.3)
+
+
+def _beside(s: Signals, link: str, landed: list[Landing]) -> Sign | None:
+    """Return the first landing of a foot that is far from where it landed before."""
+    for k in range(HISTORY, len(landed)):
+        before = landed[max(0, k - 3) : k]
+        middle = np.median([x.place for x in before], axis=0)
+        spread = max(float(np.linalg.norm(x.place - middle)) for x in before)
+        speed = np.median([x.velocity for x in before], axis=0)
+        asked = FOLLOWS * float(np.linalg.norm(landed[k].velocity - speed))
+        way = landed[k].place - middle
+        limit = BESIDE * s.height + spread + asked
+        if float(np.linalg.norm(way)) > limit:
+            words = (
+                f"{link} lands {100.0 * float(np.linalg.norm(way)):.0f} cm from where it has landed before "
+                f"({100.0 * way[0]:+.0f} cm ahead, {100.0 * way[1]:+.0f} cm to the left)"
+            )
+            return Sign(float(s.time[landed[k].row]), link, words, float(np.linalg.norm(way)) / limit)
+    return None
+
+
+def _late(s: Signals, link: str, landed: list[Landing]) -> Sign | None:
+    """Return the first swing of a foot that lasts longer than those before."""
+    for k in range(HISTORY, len(landed)):
+        before = [x.row - x.lifted for x in landed[:k] if x.lifted > 0]
+        if len(before) < HISTORY - 1 or not before:
+            continue
+        due = landed[k].lifted + int(np.median(before))
+        lasts = landed[k].row - landed[k].lifted
+        if lasts > LATER * max(before) and (landed[k].row - due) * s.dt > s.limits.brief:
+            words = f"{link} lands {1e3 * (landed[k].row - due) * s.dt:.0f} ms later than its swings before"
+            return Sign(float(s.time[due]), link, words, lasts / (LATER * max(before)))
+    return None
+
+
+def slow(s: Signals) -> Iterator[Sign]:
+    """Yield feet that stay on the ground for longer than the body takes to leave them."""
+    found = _tips(s)
+    if found is not None:
+        yield found
+        return
+    row = left_the_feet(s)
+    if row is not None and slow_for_speed(s, row):
+        words = f"at {_speed(s, row):.2f} m/s the body outruns feet that stand for {_stance(s, row):.2f} s"
+        yield Sign(float(s.time[row]), "body", words, SURE)
+
+
+def _tips(s: Signals) -> Sign | None:
+    """Return the first stance on one point, or two feet of several, that lasts until the body tips over."""
+    down = feet_down(s)
+    if not walks(s) and len(down) < 3:
+        return None
+    if len(down) == 1:
+        stands, most, longest = [next(iter(down.values()))], "one foot", ALONE * s.pendulum_time
+    else:
+        stands, most, longest = _on_two(list(down.values())), "two feet", TIPS * s.pendulum_time
+    rows = [row for on in stands if (row := s.first(on, s.rows(longest))) is not None]
+    if not rows or s.rows(longest) < 2:
+        return None
+    row = min(rows)
+    words = f"it stands on {most} for more than {longest:.2f} s, in which it tips over"
+    return Sign(float(s.time[row]), "body", words, SURE)
+
+
+def _on_two(down: list[BoolArray]) -> Iterator[BoolArray]:
+    """Yield where (T,) two feet at most stand, of three or more, while two others both stay in the air."""
+    if len(down) < 3:
+        return
+    on = np.stack(down, axis=1)
+    few = on.any(axis=1) & (on.sum(axis=1) <= 2)
+    for one in range(len(down)):
+        for other in range(one):
+            yield few & ~on[:, one] & ~on[:, other]
+
+
+def slow_for_speed(s: Signals, row: int) -> bool:
+    """Return whether the body goes farther in a stance, about a row, than legs reach."""
+    return walks(s) and _speed(s, row) * _stance(s, row) > REACH * max(s.height, 0.05)
+
+
+def _speed(s: Signals, row: int) -> float:
+    before = slice(max(0, row - s.rows(0.3)), row + 1)
+    level = s.com_velocity[before] - np.outer(s.com_velocity[before] @ s.up, s.up)
+    return float(np.linalg.norm(level.mean(axis=0)))
+
+
+def _stance(s: Signals, row: int) -> float:
+    """Return the mean time on the ground of stances that ended before a row, or are on then [s]."""
+    times = [
+        (b - a) * s.dt for down in feet_down(s).values() for a, b in joined_runs(down[: row + 1]) if a > 0
+    ]
+    return float(np.mean(times)) if times else 0.0
