@@ -26,27 +26,35 @@ import math
 import numpy as np
 import scipy.linalg
 
-from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.kernels import working_time
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.contact.solvers import cone_pairs as pairs
+from surefoot.contact.solvers.admm import polish
 from surefoot.contact.solvers.central_step import Iterate, Scaling, central_step, fill_residual
 from surefoot.contact.solvers.compiled import COMPILED_CONTACTS
 from surefoot.contact.solvers.newton_step import FEW
+from surefoot.contact.solvers.path_step import Motion, path_step
 from surefoot.contact.solvers.solver import Answer, SolverSettings, nearest_to_zero, register
 from surefoot.contact.solvers.stopping import fill_measure, velocity_error
 
-MOST, MOST_HELD, MOST_SHIFTS = 60, 40, 12
+MOST, MOST_HELD, MOST_SHIFTS = 100, 40, 12
 """Iterations with the shift linearised, with one held shift, and shifts that are held one after the other."""
+MOST_ALL = 10_000
+"""All iterations together, those of a polish, which are light, among them."""
 STARTS = (1.0, 3.0, 10.0, 0.3)
 """First normal forces, over what stops each contact's speed: where one leads nowhere, the next is tried."""
 LEAST, AHEAD = 0.3, 10.0
 """Least centring while the residual is so many times the gap, over their scales: else the gap ends first."""
-HOLD_FROM = 1e-5
-"""Velocity error from which on the shift is held."""
+POLISH_FROM, NEAR, COARSE, MOST_POLISH = 1e-5, 1e-4, 3e-5, 2000
+"""Velocity error at which the path is left to polish what it found, that below which other forces are
+polished, the tolerance from which on no turn of the path is followed, and iterations of a polish."""
 SHORT, IDLE = 0.1, 3
 """A step is short below this share of a whole one; so many short ones end a phase."""
+TURN, TURN_FROM, MOST_TURNING, PASSED = 0.3, 1e-2, 40, -0.15
+"""Share of a whole step below which the path may turn, share of the first gap from which on it is followed
+by its length then, steps that this may take, and the change of the log gap after which it has passed."""
 BEFORE = 1e-5
 """Share of the first gap from which a program with a held shift begins."""
 KNOWN, HELD = 1e-2, 0.3
@@ -123,7 +131,7 @@ def _solve(
     forces[~active] = nearest_to_zero(problem)[~active]
     if not active.any():
         return Answer(forces, 0, Status.STALLED)
-    most = MOST + MOST_SHIFTS * MOST_HELD if settings.max_iterations is None else settings.max_iterations
+    most = MOST_ALL if settings.max_iterations is None else settings.max_iterations
     run = _Run(problem, active, forces[active], settings.tol, most, end, factor)
     run.go()
     forces[active] = run.best
@@ -138,6 +146,7 @@ class _Run:
         self, problem: ContactProblem, active: BoolArray, forces: FloatArray, tol: float, most: int,
         end: float, factor: FloatArray,
     ) -> None:  # fmt: skip
+        self.problem, self.active = problem, active
         self.tol, self.most, self.end, self.done = tol, most, end, 0
         self.coulomb = problem.law.shift != 0.0
         rows = np.repeat(active, 3)
@@ -161,16 +170,35 @@ class _Run:
         self.error = self._error(forces, self._velocities(forces))
 
     def go(self) -> None:
-        """Linearise the shift from one start after the other, and hold it after each while that helps."""
+        """Follow the path from one start after the other; what it finds is polished."""
         for start in STARTS if self.coulomb else STARTS[:1]:
             self.path = []
             first = self._start(start)
-            if self.coulomb and self._follow(first, None, MOST):
+            # a coarse answer is reached sooner where the shift is held than beyond the path's turns
+            turns = 0 if self.tol >= COARSE else MOST_TURNING
+            if self.coulomb and (self._follow(first, None, MOST, turns) or self._polish()):
                 return
-            if self._hold(first):
+            if self.coulomb and self.error <= POLISH_FROM:
+                if self._follow(self.path[-1][1], None, MOST, 0, 0.0) or self._polish():
+                    return
+            if self._hold(first) or self._over():
                 return
-            if self.done >= self.most or working_time() > self.end:
-                return
+
+    def _over(self) -> bool:
+        """Tell whether iterations or time are spent."""
+        return self.done >= self.most or working_time() > self.end
+
+    def _polish(self) -> bool:
+        """Polish the best forces if they are near an answer; tell whether the problem is solved."""
+        if not self.tol < self.error <= NEAR:
+            return False
+        forces = nearest_to_zero(self.problem)
+        forces[self.active] = self.best
+        left = SolverSettings(self.tol, min(self.most - self.done, MOST_POLISH), self.end - working_time())
+        found = polish(self.problem, left, forces)
+        self.done += found.iterations
+        better = np.ascontiguousarray(found.forces[self.active])
+        return self._error(better, self._velocities(better)) <= self.tol
 
     def _hold(self, first: Iterate) -> bool:
         """Hold one shift after the other as long as that helps; tell whether the problem is solved."""
@@ -180,7 +208,7 @@ class _Run:
             if self._follow(self._nearer(first), shift, MOST_HELD):
                 return True
             idle = 0 if self.error <= HELPED * before else idle + 1
-            if self.done >= self.most or idle >= IDLE_SHIFTS or working_time() > self.end:
+            if idle >= IDLE_SHIFTS or self._over():
                 return False
             held.append(shift)
             found.append(self._shift())
@@ -229,9 +257,15 @@ class _Run:
             forces.ravel(), lifted.ravel(), self.mu, self.low, self.high, self.measure, True
         )
 
-    def _follow(self, point: Iterate, shift: FloatArray | None, most: int) -> bool:
-        """Follow the central path, the shift held or linearised (None); tell whether all is solved."""
+    def _follow(
+        self, point: Iterate, shift: FloatArray | None, most: int, turns: int = 0, enough: float = POLISH_FROM
+    ) -> bool:
+        """Follow the central path, the shift held or linearised (None); tell whether all is solved.
+
+        So many iterations may go along turns. With the shift linearised a velocity error may be enough.
+        """
         short, share, least_held, worse = 0, 1.0 if shift is None else 0.0, math.inf, 0
+        turning = False
         for _ in range(min(most, self.most - self.done)):
             if working_time() > self.end:
                 break
@@ -253,16 +287,24 @@ class _Run:
                 return True
             if shift is None or not self.coulomb:
                 self.path.append((gap, point))
-            if shift is None and error <= HOLD_FROM:
+            if shift is None and error <= enough:
                 break
             if shift is not None and ((sure and held <= HELD * self.tol) or worse >= WORSE):
                 break
             lift = OWN_SHIFT if shift is None else shift
             far = fill_residual(point.y, self.scale, u, lift, self.speed, self.memory.residual)
-            ahead = far > AHEAD * gap / self.energy
-            length, after = self.memory.advance(point, gap, share, LEAST if ahead else 0.0)
             self.done += 1
-            short = short + 1 if length < SHORT else 0
+            if turning:
+                turns -= 1
+                log, after = self.memory.go_along(point, gap)
+                turning = turns > 0 and log > PASSED
+            else:
+                ahead = far > AHEAD * gap / self.energy
+                length, after = self.memory.advance(point, gap, share, LEAST if ahead else 0.0)
+                short = short + 1 if length < SHORT else 0
+                if shift is None and length < TURN and turns > 0 and gap < TURN_FROM * self.energy:
+                    turning, short, after = True, 0, point
+                    self.memory.forget()
             if after is None or short >= IDLE:
                 break
             point = after
@@ -278,24 +320,46 @@ class _Memory:
         self.scaling = Scaling(np.empty((n, 4)), np.empty((n, 3)), np.empty((n, 3, 3)))
         self.weighed, self.residual = np.empty((3 * n, r)), np.empty((n, 3))
         self.diagonal = np.diag_indices(r)
+        self.motion = Motion(np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(1))
 
     def scale(self, point: Iterate, share: float) -> float:
         """Fill the scalings of a point; return its gap, the mean of x · y."""
         return pairs.scale_pairs(*point, share, *self.scaling)
 
-    def advance(self, point: Iterate, gap: float, share: float, least: float) -> tuple[float, Iterate | None]:
-        """Take a step with the residual that is there; return its length and the point after it, if any."""
+    def factors(self) -> tuple[FloatArray, IntArray] | None:
+        """Return LAPACK's factors of I + Yᵀ P S⁻¹ Y, transposed, with their pivots."""
         pairs.weigh_rows(self.scaling.weights, self.rows, self.weighed)
         matrix = self.weighed.T @ self.rows  # transposed, as LAPACK has it
         matrix[self.diagonal] += 1.0
         lu, pivots, failed = scipy.linalg.lapack.dgetrf(matrix.T, overwrite_a=1)
-        if failed != 0:
+        return None if failed else (lu.T, pivots)
+
+    def advance(self, point: Iterate, gap: float, share: float, least: float) -> tuple[float, Iterate | None]:
+        """Take a step with the residual that is there; return its length and the point after it, if any."""
+        factors = self.factors()
+        if factors is None:
             return 0.0, None
         after = Iterate(*(np.empty_like(part) for part in point))
         length = central_step(
-            lu.T, pivots, self.rows, self.across, point, self.residual, self.scaling, gap, share, least, after
+            *factors, self.rows, self.across, point, self.residual, self.scaling, gap, share, least, after
         )
         return length, after if length > 0.0 else None
+
+    def go_along(self, point: Iterate, gap: float) -> tuple[float, Iterate | None]:
+        """Take a step by the path's length; return the change of the log gap, and the point after it."""
+        factors = self.factors()
+        if factors is None:
+            return 0.0, None
+        after = Iterate(*(np.empty_like(part) for part in point))
+        length, log = path_step(
+            *factors, self.rows, self.across, point, self.residual, self.scaling, gap, self.motion, after
+        )
+        return log, after if length > 0.0 else None
+
+    def forget(self) -> None:
+        """Forget the last step along the path."""
+        for part in self.motion:
+            part[:] = 0.0
 
 
 def _next_shift(held: list[FloatArray], found: list[FloatArray], speed: FloatArray) -> FloatArray:
