@@ -29,6 +29,7 @@ import scipy.linalg
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.kernels import working_time
 from surefoot.contact.problem.problem import ContactProblem
+from surefoot.contact.problem.redundancy import few_bodies, likely_rank
 from surefoot.contact.solution import Status
 from surefoot.contact.solvers import cone_pairs as pairs
 from surefoot.contact.solvers.admm import polish
@@ -62,10 +63,12 @@ KNOWN, HELD = 1e-2, 0.3
 held shift is solved."""
 WORSE = 3
 """Iterations that leave more of a held program's error than its best, after which rounding has taken over."""
-MOST_RANK, MOST_ROWS, REDUNDANT, FEW_BODIES = 300, 900, 0.75, 0.4
+MOST_RANK, MOST_ROWS, REDUNDANT, FEW_BODIES = 450, 1500, 0.75, 0.4
 """Rank of G, rows where the rank is not known, and the rank's share of the rows, up to which
 `where_redundant` tries: each iteration has a dense factor, and problems of full rank defeat the method.
 Up to the last share, of walls, it comes before further Newton steps, which they defeat."""
+LIGHT = 3e7
+"""Rows times the square of the rank up to which a few steps take less time than Newton's first ones do."""
 OWN_SHIFT = np.empty(0)
 """In place of a shift: that of the point itself."""
 HELPED, IDLE_SHIFTS, DEPTH = 0.5, 2, 4
@@ -94,6 +97,17 @@ def where_few_bodies(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
     """Solve a problem whose contacts hold few bodies, a warm start (n, 3) as `solve_interior`; else None."""
+    return _where(problem, settings, warm_start, -1.0, FEW_BODIES)
+
+
+def where_light(
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
+) -> Answer | None:
+    """Solve a problem whose steps are light, a warm start (n, 3) as `solve_interior`; else None."""
+    rows = problem.g.size
+    rank = likely_rank(problem)
+    if not few_bodies(problem) or rows * rank**2 > LIGHT:
+        return None
     return _where(problem, settings, warm_start, -1.0, FEW_BODIES)
 
 
@@ -170,19 +184,32 @@ class _Run:
         self.error = self._error(forces, self._velocities(forces))
 
     def go(self) -> None:
-        """Follow the path from one start after the other; what it finds is polished."""
-        for start in STARTS if self.coulomb else STARTS[:1]:
+        """Try one start after the other until the problem is solved, or iterations or time are spent."""
+        if not self.coulomb:
+            self._hold(self._start(STARTS[0]))
+            return
+        for start in STARTS:
             self.path = []
-            first = self._start(start)
-            # a coarse answer is reached sooner where the shift is held than beyond the path's turns
-            turns = 0 if self.tol >= COARSE else MOST_TURNING
-            if self.coulomb and (self._follow(first, None, MOST, turns) or self._polish()):
+            if self._from(self._start(start)) or self._over():
                 return
-            if self.coulomb and self.error <= POLISH_FROM:
-                if self._follow(self.path[-1][1], None, MOST, 0, 0.0) or self._polish():
-                    return
-            if self._hold(first) or self._over():
-                return
+
+    def _from(self, first: Iterate) -> bool:
+        """Follow the path from a point, and polish what is near an answer; tell whether it is solved."""
+        coarse = self.tol >= COARSE
+        if self._follow(first, None, MOST, 0 if coarse else MOST_TURNING):
+            return True
+        # a coarse answer is reached sooner where the shift is held than beyond the path's turns
+        if coarse and (self._hold(first) or self._go_on(MOST_TURNING, POLISH_FROM)):
+            return True
+        if self._polish():
+            return True
+        if self.error <= POLISH_FROM and (self._go_on(0, 0.0) or self._polish()):
+            return True
+        return not coarse and self._hold(first)
+
+    def _go_on(self, turns: int, enough: float) -> bool:
+        """Follow the path further from where it was left; see `_follow`."""
+        return bool(self.path) and self._follow(self.path[-1][1], None, MOST, turns, enough)
 
     def _over(self) -> bool:
         """Tell whether iterations or time are spent."""

@@ -23,7 +23,7 @@ from surefoot.contact.solvers.cone_pairs import aim_pairs, apply_scaling, centra
 
 NEAR = 1.0
 """Distance to the path above which a step only goes back to it."""
-BACK, ON = 0.5, 0.5
+BACK, ON = 0.5, 0.7
 """Shares of the way to the border that a step takes back to the path, and on along it."""
 OFF_PATH, OFF_PATH_FAR = 0.05, 0.01
 """Least centrality after a step near the path, and after one that only goes back to it."""
