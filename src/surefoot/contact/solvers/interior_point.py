@@ -40,8 +40,9 @@ from surefoot.contact.solvers.path_step import Motion, path_step
 from surefoot.contact.solvers.solver import Answer, SolverSettings, nearest_to_zero, register
 from surefoot.contact.solvers.stopping import fill_measure, velocity_error
 
-MOST, MOST_HELD, MOST_SHIFTS = 100, 40, 12
-"""Iterations with the shift linearised, with one held shift, and shifts that are held one after the other."""
+MOST, MOST_HELD, MOST_SHIFTS = 60, 40, 12
+"""Iterations with the shift linearised besides those along turns, with one held shift, and shifts that are held
+one after the other."""
 MOST_ALL = 10_000
 """All iterations together, those of a polish, which are light, among them."""
 STARTS = (1.0, 3.0, 10.0, 0.3)
@@ -54,8 +55,11 @@ polished, the tolerance from which on no turn of the path is followed, and itera
 SHORT, IDLE = 0.1, 3
 """A step is short below this share of a whole one; so many short ones end a phase."""
 TURN, TURN_FROM, MOST_TURNING, PASSED = 0.3, 1e-2, 40, -0.15
-"""Share of a whole step below which the path may turn, share of the first gap from which on it is followed
-by its length then, steps that this may take, and the change of the log gap after which it has passed."""
+"""Share of a whole step below which the path may turn, share of the first gap from which on it is followed by its
+length then, steps that this may take, and the change of the log gap after which the turn is passed."""
+EARLY, MOST_SLOW = 1e-1, 400
+"""Share of the first gap from which on a path is followed closely that was lost the first time, and the steps
+that this may take."""
 BEFORE = 1e-5
 """Share of the first gap from which a program with a held shift begins."""
 KNOWN, HELD = 1e-2, 0.3
@@ -196,20 +200,23 @@ class _Run:
     def _from(self, first: Iterate) -> bool:
         """Follow the path from a point, and polish what is near an answer; tell whether it is solved."""
         coarse = self.tol >= COARSE
-        if self._follow(first, None, MOST, 0 if coarse else MOST_TURNING):
+        if self._follow(first, 0 if coarse else MOST_TURNING):
             return True
         # a coarse answer is reached sooner where the shift is held than beyond the path's turns
-        if coarse and (self._hold(first) or self._go_on(MOST_TURNING, POLISH_FROM)):
+        if coarse and (self._hold(first) or self._follow(self.path[-1][1], MOST_TURNING)):
             return True
         if self._polish():
             return True
-        if self.error <= POLISH_FROM and (self._go_on(0, 0.0) or self._polish()):
+        if self.error > POLISH_FROM and (self._follow(self._early(), MOST_SLOW, turning=True) or self._polish()):
+            return True
+        if self.error <= POLISH_FROM and (self._follow(self.path[-1][1], 0, 0.0) or self._polish()):
             return True
         return not coarse and self._hold(first)
 
-    def _go_on(self, turns: int, enough: float) -> bool:
-        """Follow the path further from where it was left; see `_follow`."""
-        return bool(self.path) and self._follow(self.path[-1][1], None, MOST, turns, enough)
+    def _early(self) -> Iterate:
+        """Return a point of the path before its turns, to follow it closely from there on."""
+        self.memory.forget()
+        return next((point for gap, point in self.path if gap < EARLY * self.energy), self.path[-1][1])
 
     def _over(self) -> bool:
         """Tell whether iterations or time are spent."""
@@ -232,7 +239,7 @@ class _Run:
         shift, held, found, idle = self._shift(), [], [], 0
         for _ in range(MOST_SHIFTS if self.coulomb else 1):
             before = self.error
-            if self._follow(self._nearer(first), shift, MOST_HELD):
+            if self._follow_held(self._nearer(first), shift):
                 return True
             idle = 0 if self.error <= HELPED * before else idle + 1
             if idle >= IDLE_SHIFTS or self._over():
@@ -284,54 +291,69 @@ class _Run:
             forces.ravel(), lifted.ravel(), self.mu, self.low, self.high, self.measure, True
         )
 
-    def _follow(
-        self, point: Iterate, shift: FloatArray | None, most: int, turns: int = 0, enough: float = POLISH_FROM
-    ) -> bool:
-        """Follow the central path, the shift held or linearised (None); tell whether all is solved.
+    def _look(self, point: Iterate, share: float) -> tuple[float, FloatArray, FloatArray, float]:
+        """Fill the scalings of a point; return its gap, forces, velocities and velocity error."""
+        gap = self.memory.scale(point, share)
+        forces = self.scale * point.x
+        u = self._velocities(forces)
+        return gap, forces, u, self._error(forces, u) if gap > 0.0 else math.inf
 
-        So many iterations may go along turns. With the shift linearised a velocity error may be enough.
+    def _follow(self, point: Iterate, turns: int, enough: float = POLISH_FROM, turning: bool = False) -> bool:
+        """Follow the central path with the shift linearised; tell whether the problem is solved.
+
+        So many steps may go along turns, whether or not it is turning from the outset. A velocity error may be
+        enough.
         """
-        short, share, least_held, worse = 0, 1.0 if shift is None else 0.0, math.inf, 0
-        turning = False
-        for _ in range(min(most, self.most - self.done)):
-            if working_time() > self.end:
+        short = 0
+        for _ in range(min(MOST + turns, self.most - self.done)):
+            gap, self.last, u, error = self._look(point, 1.0)
+            if not gap > 0.0 or error <= self.tol:  # below the smallest number
+                return error <= self.tol
+            self.path.append((gap, point))
+            if error <= enough or working_time() > self.end:
                 break
-            gap = self.memory.scale(point, share)
-            if not gap > 0.0:  # below the smallest number
-                break
-            forces = self.scale * point.x
-            u = self._velocities(forces)
-            if shift is None:
-                self.last = forces
-            else:
-                held = self._held_error(forces, u, shift)
-                worse = worse + 1 if held > least_held else 0
-                if held < least_held:
-                    least_held, self.last = held, forces
-            error = self._error(forces, u)
-            sure = gap <= self.tol * self.energy  # the convex law's energy gap is judged, too
-            if error <= self.tol and (self.coulomb or sure):
-                return True
-            if shift is None or not self.coulomb:
-                self.path.append((gap, point))
-            if shift is None and error <= enough:
-                break
-            if shift is not None and ((sure and held <= HELD * self.tol) or worse >= WORSE):
-                break
-            lift = OWN_SHIFT if shift is None else shift
-            far = fill_residual(point.y, self.scale, u, lift, self.speed, self.memory.residual)
+            far = fill_residual(point.y, self.scale, u, OWN_SHIFT, self.speed, self.memory.residual)
             self.done += 1
+            after: Iterate | None
             if turning:
                 turns -= 1
                 log, after = self.memory.go_along(point, gap)
                 turning = turns > 0 and log > PASSED
             else:
-                ahead = far > AHEAD * gap / self.energy
-                length, after = self.memory.advance(point, gap, share, LEAST if ahead else 0.0)
+                least = LEAST if far > AHEAD * gap / self.energy else 0.0
+                length, after = self.memory.advance(point, gap, 1.0, least)
                 short = short + 1 if length < SHORT else 0
-                if shift is None and length < TURN and turns > 0 and gap < TURN_FROM * self.energy:
+                if length < TURN and turns > 0 and gap < TURN_FROM * self.energy:
                     turning, short, after = True, 0, point
                     self.memory.forget()
+            if after is None or short >= IDLE:
+                break
+            point = after
+        return False
+
+    def _follow_held(self, point: Iterate, shift: FloatArray) -> bool:
+        """Follow the central path of a program whose shift (n,) is held; tell whether the problem is solved."""
+        short, least_held, worse = 0, math.inf, 0
+        for _ in range(min(MOST_HELD, self.most - self.done)):
+            gap, forces, u, error = self._look(point, 0.0)
+            if not gap > 0.0 or working_time() > self.end:
+                break
+            held = self._held_error(forces, u, shift)
+            worse = worse + 1 if held > least_held else 0
+            if held < least_held:
+                least_held, self.last = held, forces
+            sure = gap <= self.tol * self.energy  # the convex law's energy gap is judged, too
+            if error <= self.tol and (self.coulomb or sure):
+                return True
+            if not self.coulomb:
+                self.path.append((gap, point))
+            if (sure and held <= HELD * self.tol) or worse >= WORSE:
+                break
+            far = fill_residual(point.y, self.scale, u, shift, self.speed, self.memory.residual)
+            least = LEAST if far > AHEAD * gap / self.energy else 0.0
+            length, after = self.memory.advance(point, gap, 0.0, least)
+            self.done += 1
+            short = short + 1 if length < SHORT else 0
             if after is None or short >= IDLE:
                 break
             point = after
