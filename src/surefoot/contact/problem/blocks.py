@@ -138,6 +138,22 @@ def vectors_fit(vectors: FloatArray) -> bool:
 
 
 @kernel
+def count_blocks(G: FloatArray, met: IntArray) -> None:
+    """Fill (n,) with how many blocks of each row of a dense matrix (3n, 3n) are not zero."""
+    n = met.size
+    for i in range(n):
+        count = 0
+        for j in range(n):
+            found = False
+            for a in range(9):
+                if G[3 * i + a // 3, 3 * j + a % 3] != 0.0:
+                    found = True
+                    break
+            count += found
+        met[i] = count
+
+
+@kernel
 def dense_blocks(G: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
     """Return the fields of `Blocks` for a dense symmetric matrix (3n, 3n)."""
     n = G.shape[0] // 3

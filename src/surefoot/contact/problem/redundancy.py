@@ -14,6 +14,7 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, of_kind, real_number
 from surefoot.base.errors import ProblemError
+from surefoot.contact.problem.blocks import count_blocks
 from surefoot.contact.problem.problem import ContactProblem
 
 
@@ -50,6 +51,32 @@ class Redundancy:
             f"G has rank {self.rank} of {self.size}: velocities and the net wrench are determined, the "
             f"forces of {loose} of {len(self.determined)} contacts only up to {free} directions"
         )
+
+
+FEW_BODIES = 0.58
+"""Likely rank's share of the rows up to which contacts hold few bodies: 0.3 to 0.53 for walls of bricks, 0.66
+and more for stacks and piles of spheres."""
+
+
+def likely_rank(problem: ContactProblem) -> float:
+    """Return about what the rank of G is, without a factorisation: that of its factor, or six per body.
+
+    A contact of two bodies meets as many contacts as they have together, d + e, so that 4 / (d + e) is about
+    its share of the bodies; for contacts of three rows.
+    """
+    if problem.factor is not None:
+        return float(problem.factor.shape[1])
+    met = np.empty(problem.contacts, dtype=np.int64)
+    if isinstance(problem.operator, np.ndarray):
+        count_blocks(problem.G, met)
+    else:
+        met = np.diff(problem.blocks.starts)
+    return float(np.sum(24.0 / np.maximum(met, 1)))
+
+
+def few_bodies(problem: ContactProblem) -> bool:
+    """Tell whether many contacts hold few bodies, as far as `likely_rank` knows."""
+    return likely_rank(problem) <= FEW_BODIES * problem.g.size
 
 
 def redundancy(problem: ContactProblem, tol: float = 1e-9) -> Redundancy:

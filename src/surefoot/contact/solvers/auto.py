@@ -30,7 +30,7 @@ from surefoot.contact.solvers import on_blocks
 from surefoot.contact.solvers import strategies as plans
 from surefoot.contact.solvers.compiled import COMPILED_CONTACTS, LATER, attempt
 from surefoot.contact.solvers.infeasibility import find_proof
-from surefoot.contact.solvers.interior_point import where_few_bodies, where_redundant
+from surefoot.contact.solvers.interior_point import where_few_bodies, where_light, where_redundant
 from surefoot.contact.solvers.newton_sparse import NO_GUESS
 from surefoot.contact.solvers.newton_step import FEW
 from surefoot.contact.solvers.solver import (
@@ -83,17 +83,23 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
             looks.append(find_proof(problem, taken if settings.max_time < math.inf else math.inf))
         return looks[-1:] not in ([], [None])
 
-    def interior(forces: FloatArray, most: int) -> int:
+    tried: list[bool] = []
+
+    def interior(forces: FloatArray, most: int, early: bool) -> int:
         """Take the forces of an interior point where contacts are redundant, if they are better."""
+        if tried:
+            return 0
         left = settings.max_time - (working_time() - start)
         bound = None if settings.max_iterations is None else most
-        found = where_redundant(problem, SolverSettings(settings.tol, bound, left), None)
+        where = where_light if early else where_redundant
+        found = where(problem, SolverSettings(settings.tol, bound, left), None)
         if found is None:
             return 0
+        tried.append(True)
         # far from an answer it tells less than sweeps do: theirs run away where there is none
-        if worst_of(problem, found.forces) < min(POSSIBLE, worst_of(problem, forces.reshape(-1, 3))):
+        if worst_of(problem, found.forces) < min(max(POSSIBLE, settings.tol), worst_of(problem, forces.reshape(-1, 3))):
             forces[:] = found.forces.ravel()
-        return found.iterations
+        return max(found.iterations, 1)
 
     done, error, far = on_blocks.alternate(problem, settings, forces, infeasible, interior)
     guess = None if far > NO_GUESS else forces.reshape(-1, 3)

@@ -63,7 +63,7 @@ def _gather(rows: FloatArray, forces: FloatArray, out: FloatArray) -> None:
 
 
 @inline_kernel
-def _direction(
+def fill_direction(
     factors: FloatArray, pivots: IntArray, rows: FloatArray, across: FloatArray, weights: FloatArray,
     axes: FloatArray, y: FloatArray, share: float, aim: FloatArray, residual: FloatArray, moved: FloatArray,
     dx: FloatArray, dy: FloatArray,
@@ -98,7 +98,7 @@ def _direction(
 
 
 @inline_kernel
-def _longest(
+def longest_inside(
     x: FloatArray, border_x: FloatArray, y: FloatArray, border_y: FloatArray, dx: FloatArray, dy: FloatArray
 ) -> float:
     """Return the longest step inside both cones."""
@@ -152,8 +152,8 @@ def central_step(
     space = np.zeros((4, n, 3))
     aim, moved, dx, dy = space[0], space[1], space[2], space[3]
     aim_pairs(axes, scaled, dx, dy, 0.0, 0.0, aim)
-    _direction(factors, pivots, rows, across, weights, axes, y, share, aim, residual, moved, dx, dy)
-    length = min(1.0, _longest(x, border_x, y, border_y, dx, dy))
+    fill_direction(factors, pivots, rows, across, weights, axes, y, share, aim, residual, moved, dx, dy)
+    length = min(1.0, longest_inside(x, border_x, y, border_y, dx, dy))
     if not length >= 0.0:
         return 0.0
     left = 0.0
@@ -163,8 +163,8 @@ def central_step(
     # Mehrotra's rule: centre little where the predictor got far
     centre = max(min(max(left / n / gap, 0.0), 1.0) ** 3, least)
     aim_pairs(axes, scaled, dx, dy, centre * gap, length * length, aim)
-    _direction(factors, pivots, rows, across, weights, axes, y, share, aim, residual, moved, dx, dy)
-    length = min(1.0, TO_BORDER * _longest(x, border_x, y, border_y, dx, dy))
+    fill_direction(factors, pivots, rows, across, weights, axes, y, share, aim, residual, moved, dx, dy)
+    length = min(1.0, TO_BORDER * longest_inside(x, border_x, y, border_y, dx, dy))
     while length > SHORTEST:
         inside = move_points(x, border_x, dx, length, after.x, after.border_x)
         inside = move_points(y, border_y, dy, length, after.y, after.border_y) and inside

@@ -26,6 +26,7 @@ from surefoot.base.kernels import (
 )
 from surefoot.contact.problem.blocks import checked_copy
 from surefoot.contact.problem.problem import ContactProblem
+from surefoot.contact.problem.redundancy import few_bodies
 from surefoot.contact.problem.residuals import certify_dense
 from surefoot.contact.problem.scales import scales_dense
 from surefoot.contact.solvers.newton_step import FEW, run_dense
@@ -58,6 +59,9 @@ _empty, _INFINITY = np.empty, math.inf
 Entry = Callable[[FloatArray, FloatArray, float, int, int, FloatArray], int]
 _entry: Entry | None = None
 """`solve_compiled`, once it is compiled."""
+TASTE, _MANY = 13, 2 * FEW + 3
+"""Iterations of a first round where contacts hold few bodies: its Newton steps defeat most of these, an
+interior point none; and the rows of a record above which there are more than few contacts."""
 NAME = "compiled call"
 """Of the packed form among what a problem has prepared."""
 
@@ -171,6 +175,8 @@ def attempt(
         return None
     G, vectors, law, shape = packed
     limit = UNBOUNDED if most is None else most
+    if shape[0] > _MANY and mode == FIRST and few_bodies(problem):
+        limit = min(limit, TASTE)
     if max_time < _INFINITY:
         n = problem.contacts
         limit = min(limit, int(min(max_time / (ITERATION * n * (1.0 + (n / HEAVIER) ** 2)), 1e9)))

@@ -89,7 +89,7 @@ def weigh_rows(weights: FloatArray, rows: FloatArray, out: FloatArray) -> None:
 
 
 @inline_kernel
-def _apply(axes: FloatArray, sign: float, v: FloatArray) -> tuple[float, float, float]:
+def apply_scaling(axes: FloatArray, sign: float, v: FloatArray) -> tuple[float, float, float]:
     """Return W v (sign 1), or W⁻¹ v (sign -1)."""
     a, b, w, eta = sign * axes[0], sign * axes[1], axes[2], axes[3]
     if sign < 0.0:
@@ -114,8 +114,8 @@ def aim_pairs(
         x, y, z = scaled[k, 0], scaled[k, 1], scaled[k, 2]
         r[0], r[1], r[2] = -2.0 * z * x, -2.0 * z * y, centre - (x * x + y * y + z * z)
         if mixed != 0.0:
-            a, b, c = _apply(axes[k], -1.0, before[k])
-            p, q, s = _apply(axes[k], 1.0, after[k])
+            a, b, c = apply_scaling(axes[k], -1.0, before[k])
+            p, q, s = apply_scaling(axes[k], 1.0, after[k])
             r[0] -= mixed * (c * p + s * a)
             r[1] -= mixed * (c * q + s * b)
             r[2] -= mixed * (a * p + b * q + c * s)
@@ -123,7 +123,7 @@ def aim_pairs(
         size = math.sqrt(x * x + y * y)
         r[2] = (z * r[2] - x * r[0] - y * r[1]) / ((z - size) * (z + size))
         r[0], r[1] = (r[0] - r[2] * x) / z, (r[1] - r[2] * y) / z
-        out[k, 0], out[k, 1], out[k, 2] = _apply(axes[k], 1.0, r)
+        out[k, 0], out[k, 1], out[k, 2] = apply_scaling(axes[k], 1.0, r)
 
 
 @kernel

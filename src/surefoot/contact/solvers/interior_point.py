@@ -26,27 +26,40 @@ import math
 import numpy as np
 import scipy.linalg
 
-from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.kernels import working_time
 from surefoot.contact.problem.problem import ContactProblem
+from surefoot.contact.problem.redundancy import few_bodies, likely_rank
 from surefoot.contact.solution import Status
 from surefoot.contact.solvers import cone_pairs as pairs
+from surefoot.contact.solvers.admm import polish
 from surefoot.contact.solvers.central_step import Iterate, Scaling, central_step, fill_residual
 from surefoot.contact.solvers.compiled import COMPILED_CONTACTS
 from surefoot.contact.solvers.newton_step import FEW
+from surefoot.contact.solvers.path_step import Motion, path_step
 from surefoot.contact.solvers.solver import Answer, SolverSettings, nearest_to_zero, register
 from surefoot.contact.solvers.stopping import fill_measure, velocity_error
 
 MOST, MOST_HELD, MOST_SHIFTS = 60, 40, 12
-"""Iterations with the shift linearised, with one held shift, and shifts that are held one after the other."""
+"""Iterations with the shift linearised besides those along turns, with one held shift, and shifts that are held
+one after the other."""
+MOST_ALL = 10_000
+"""All iterations together, those of a polish, which are light, among them."""
 STARTS = (1.0, 3.0, 10.0, 0.3)
 """First normal forces, over what stops each contact's speed: where one leads nowhere, the next is tried."""
 LEAST, AHEAD = 0.3, 10.0
 """Least centring while the residual is so many times the gap, over their scales: else the gap ends first."""
-HOLD_FROM = 1e-5
-"""Velocity error from which on the shift is held."""
+POLISH_FROM, NEAR, COARSE, MOST_POLISH = 1e-5, 1e-4, 3e-5, 2000
+"""Velocity error at which the path is left to polish what it found, that below which other forces are
+polished, the tolerance from which on no turn of the path is followed, and iterations of a polish."""
 SHORT, IDLE = 0.1, 3
 """A step is short below this share of a whole one; so many short ones end a phase."""
+TURN, TURN_FROM, MOST_TURNING, PASSED = 0.3, 1e-2, 40, -0.15
+"""Share of a whole step below which the path may turn, share of the first gap from which on it is followed by its
+length then, steps that this may take, and the change of the log gap after which the turn is passed."""
+EARLY, MOST_SLOW = 1e-1, 400
+"""Share of the first gap from which on a path is followed closely that was lost the first time, and the steps
+that this may take."""
 BEFORE = 1e-5
 """Share of the first gap from which a program with a held shift begins."""
 KNOWN, HELD = 1e-2, 0.3
@@ -54,10 +67,12 @@ KNOWN, HELD = 1e-2, 0.3
 held shift is solved."""
 WORSE = 3
 """Iterations that leave more of a held program's error than its best, after which rounding has taken over."""
-MOST_RANK, MOST_ROWS, REDUNDANT, FEW_BODIES = 300, 900, 0.75, 0.4
+MOST_RANK, MOST_ROWS, REDUNDANT, FEW_BODIES = 450, 1500, 0.75, 0.4
 """Rank of G, rows where the rank is not known, and the rank's share of the rows, up to which
 `where_redundant` tries: each iteration has a dense factor, and problems of full rank defeat the method.
 Up to the last share, of walls, it comes before further Newton steps, which they defeat."""
+LIGHT = 3e7
+"""Rows times the square of the rank up to which a few steps take less time than Newton's first ones do."""
 OWN_SHIFT = np.empty(0)
 """In place of a shift: that of the point itself."""
 HELPED, IDLE_SHIFTS, DEPTH = 0.5, 2, 4
@@ -86,6 +101,17 @@ def where_few_bodies(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
     """Solve a problem whose contacts hold few bodies, a warm start (n, 3) as `solve_interior`; else None."""
+    return _where(problem, settings, warm_start, -1.0, FEW_BODIES)
+
+
+def where_light(
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
+) -> Answer | None:
+    """Solve a problem whose steps are light, a warm start (n, 3) as `solve_interior`; else None."""
+    rows = problem.g.size
+    rank = likely_rank(problem)
+    if not few_bodies(problem) or rows * rank**2 > LIGHT:
+        return None
     return _where(problem, settings, warm_start, -1.0, FEW_BODIES)
 
 
@@ -123,7 +149,7 @@ def _solve(
     forces[~active] = nearest_to_zero(problem)[~active]
     if not active.any():
         return Answer(forces, 0, Status.STALLED)
-    most = MOST + MOST_SHIFTS * MOST_HELD if settings.max_iterations is None else settings.max_iterations
+    most = MOST_ALL if settings.max_iterations is None else settings.max_iterations
     run = _Run(problem, active, forces[active], settings.tol, most, end, factor)
     run.go()
     forces[active] = run.best
@@ -138,6 +164,7 @@ class _Run:
         self, problem: ContactProblem, active: BoolArray, forces: FloatArray, tol: float, most: int,
         end: float, factor: FloatArray,
     ) -> None:  # fmt: skip
+        self.problem, self.active = problem, active
         self.tol, self.most, self.end, self.done = tol, most, end, 0
         self.coulomb = problem.law.shift != 0.0
         rows = np.repeat(active, 3)
@@ -161,26 +188,61 @@ class _Run:
         self.error = self._error(forces, self._velocities(forces))
 
     def go(self) -> None:
-        """Linearise the shift from one start after the other, and hold it after each while that helps."""
-        for start in STARTS if self.coulomb else STARTS[:1]:
+        """Try one start after the other until the problem is solved, or iterations or time are spent."""
+        if not self.coulomb:
+            self._hold(self._start(STARTS[0]))
+            return
+        for start in STARTS:
             self.path = []
-            first = self._start(start)
-            if self.coulomb and self._follow(first, None, MOST):
+            if self._from(self._start(start)) or self._over():
                 return
-            if self._hold(first):
-                return
-            if self.done >= self.most or working_time() > self.end:
-                return
+
+    def _from(self, first: Iterate) -> bool:
+        """Follow the path from a point, and polish what is near an answer; tell whether it is solved."""
+        coarse = self.tol >= COARSE
+        if self._follow(first, 0 if coarse else MOST_TURNING):
+            return True
+        # a coarse answer is reached sooner where the shift is held than beyond the path's turns
+        if coarse and (self._hold(first) or self._follow(self.path[-1][1], MOST_TURNING)):
+            return True
+        if self._polish():
+            return True
+        if self.error > POLISH_FROM and (self._follow(self._early(), MOST_SLOW, turning=True) or self._polish()):
+            return True
+        if self.error <= POLISH_FROM and (self._follow(self.path[-1][1], 0, 0.0) or self._polish()):
+            return True
+        return not coarse and self._hold(first)
+
+    def _early(self) -> Iterate:
+        """Return a point of the path before its turns, to follow it closely from there on."""
+        self.memory.forget()
+        return next((point for gap, point in self.path if gap < EARLY * self.energy), self.path[-1][1])
+
+    def _over(self) -> bool:
+        """Tell whether iterations or time are spent."""
+        return self.done >= self.most or working_time() > self.end
+
+    def _polish(self) -> bool:
+        """Polish the best forces if they are near an answer; tell whether the problem is solved."""
+        if not self.tol < self.error <= NEAR:
+            return False
+        forces = nearest_to_zero(self.problem)
+        forces[self.active] = self.best
+        left = SolverSettings(self.tol, min(self.most - self.done, MOST_POLISH), self.end - working_time())
+        found = polish(self.problem, left, forces)
+        self.done += found.iterations
+        better = np.ascontiguousarray(found.forces[self.active])
+        return self._error(better, self._velocities(better)) <= self.tol
 
     def _hold(self, first: Iterate) -> bool:
         """Hold one shift after the other as long as that helps; tell whether the problem is solved."""
         shift, held, found, idle = self._shift(), [], [], 0
         for _ in range(MOST_SHIFTS if self.coulomb else 1):
             before = self.error
-            if self._follow(self._nearer(first), shift, MOST_HELD):
+            if self._follow_held(self._nearer(first), shift):
                 return True
             idle = 0 if self.error <= HELPED * before else idle + 1
-            if self.done >= self.most or idle >= IDLE_SHIFTS or working_time() > self.end:
+            if idle >= IDLE_SHIFTS or self._over():
                 return False
             held.append(shift)
             found.append(self._shift())
@@ -229,38 +291,67 @@ class _Run:
             forces.ravel(), lifted.ravel(), self.mu, self.low, self.high, self.measure, True
         )
 
-    def _follow(self, point: Iterate, shift: FloatArray | None, most: int) -> bool:
-        """Follow the central path, the shift held or linearised (None); tell whether all is solved."""
-        short, share, least_held, worse = 0, 1.0 if shift is None else 0.0, math.inf, 0
-        for _ in range(min(most, self.most - self.done)):
-            if working_time() > self.end:
+    def _look(self, point: Iterate, share: float) -> tuple[float, FloatArray, FloatArray, float]:
+        """Fill the scalings of a point; return its gap, forces, velocities and velocity error."""
+        gap = self.memory.scale(point, share)
+        forces = self.scale * point.x
+        u = self._velocities(forces)
+        return gap, forces, u, self._error(forces, u) if gap > 0.0 else math.inf
+
+    def _follow(self, point: Iterate, turns: int, enough: float = POLISH_FROM, turning: bool = False) -> bool:
+        """Follow the central path with the shift linearised; tell whether the problem is solved.
+
+        So many steps may go along turns, whether or not it is turning from the outset. A velocity error may be
+        enough.
+        """
+        short = 0
+        for _ in range(min(MOST + turns, self.most - self.done)):
+            gap, self.last, u, error = self._look(point, 1.0)
+            if not gap > 0.0 or error <= self.tol:  # below the smallest number
+                return error <= self.tol
+            self.path.append((gap, point))
+            if error <= enough or working_time() > self.end:
                 break
-            gap = self.memory.scale(point, share)
-            if not gap > 0.0:  # below the smallest number
-                break
-            forces = self.scale * point.x
-            u = self._velocities(forces)
-            if shift is None:
-                self.last = forces
+            far = fill_residual(point.y, self.scale, u, OWN_SHIFT, self.speed, self.memory.residual)
+            self.done += 1
+            after: Iterate | None
+            if turning:
+                turns -= 1
+                log, after = self.memory.go_along(point, gap)
+                turning = turns > 0 and log > PASSED
             else:
-                held = self._held_error(forces, u, shift)
-                worse = worse + 1 if held > least_held else 0
-                if held < least_held:
-                    least_held, self.last = held, forces
-            error = self._error(forces, u)
+                least = LEAST if far > AHEAD * gap / self.energy else 0.0
+                length, after = self.memory.advance(point, gap, 1.0, least)
+                short = short + 1 if length < SHORT else 0
+                if length < TURN and turns > 0 and gap < TURN_FROM * self.energy:
+                    turning, short, after = True, 0, point
+                    self.memory.forget()
+            if after is None or short >= IDLE:
+                break
+            point = after
+        return False
+
+    def _follow_held(self, point: Iterate, shift: FloatArray) -> bool:
+        """Follow the central path of a program whose shift (n,) is held; tell whether the problem is solved."""
+        short, least_held, worse = 0, math.inf, 0
+        for _ in range(min(MOST_HELD, self.most - self.done)):
+            gap, forces, u, error = self._look(point, 0.0)
+            if not gap > 0.0 or working_time() > self.end:
+                break
+            held = self._held_error(forces, u, shift)
+            worse = worse + 1 if held > least_held else 0
+            if held < least_held:
+                least_held, self.last = held, forces
             sure = gap <= self.tol * self.energy  # the convex law's energy gap is judged, too
             if error <= self.tol and (self.coulomb or sure):
                 return True
-            if shift is None or not self.coulomb:
+            if not self.coulomb:
                 self.path.append((gap, point))
-            if shift is None and error <= HOLD_FROM:
+            if (sure and held <= HELD * self.tol) or worse >= WORSE:
                 break
-            if shift is not None and ((sure and held <= HELD * self.tol) or worse >= WORSE):
-                break
-            lift = OWN_SHIFT if shift is None else shift
-            far = fill_residual(point.y, self.scale, u, lift, self.speed, self.memory.residual)
-            ahead = far > AHEAD * gap / self.energy
-            length, after = self.memory.advance(point, gap, share, LEAST if ahead else 0.0)
+            far = fill_residual(point.y, self.scale, u, shift, self.speed, self.memory.residual)
+            least = LEAST if far > AHEAD * gap / self.energy else 0.0
+            length, after = self.memory.advance(point, gap, 0.0, least)
             self.done += 1
             short = short + 1 if length < SHORT else 0
             if after is None or short >= IDLE:
@@ -278,24 +369,46 @@ class _Memory:
         self.scaling = Scaling(np.empty((n, 4)), np.empty((n, 3)), np.empty((n, 3, 3)))
         self.weighed, self.residual = np.empty((3 * n, r)), np.empty((n, 3))
         self.diagonal = np.diag_indices(r)
+        self.motion = Motion(np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(1))
 
     def scale(self, point: Iterate, share: float) -> float:
         """Fill the scalings of a point; return its gap, the mean of x · y."""
         return pairs.scale_pairs(*point, share, *self.scaling)
 
-    def advance(self, point: Iterate, gap: float, share: float, least: float) -> tuple[float, Iterate | None]:
-        """Take a step with the residual that is there; return its length and the point after it, if any."""
+    def factors(self) -> tuple[FloatArray, IntArray] | None:
+        """Return LAPACK's factors of I + Yᵀ P S⁻¹ Y, transposed, with their pivots."""
         pairs.weigh_rows(self.scaling.weights, self.rows, self.weighed)
         matrix = self.weighed.T @ self.rows  # transposed, as LAPACK has it
         matrix[self.diagonal] += 1.0
         lu, pivots, failed = scipy.linalg.lapack.dgetrf(matrix.T, overwrite_a=1)
-        if failed != 0:
+        return None if failed else (lu.T, pivots)
+
+    def advance(self, point: Iterate, gap: float, share: float, least: float) -> tuple[float, Iterate | None]:
+        """Take a step with the residual that is there; return its length and the point after it, if any."""
+        factors = self.factors()
+        if factors is None:
             return 0.0, None
         after = Iterate(*(np.empty_like(part) for part in point))
         length = central_step(
-            lu.T, pivots, self.rows, self.across, point, self.residual, self.scaling, gap, share, least, after
+            *factors, self.rows, self.across, point, self.residual, self.scaling, gap, share, least, after
         )
         return length, after if length > 0.0 else None
+
+    def go_along(self, point: Iterate, gap: float) -> tuple[float, Iterate | None]:
+        """Take a step by the path's length; return the change of the log gap, and the point after it."""
+        factors = self.factors()
+        if factors is None:
+            return 0.0, None
+        after = Iterate(*(np.empty_like(part) for part in point))
+        length, log = path_step(
+            *factors, self.rows, self.across, point, self.residual, self.scaling, gap, self.motion, after
+        )
+        return log, after if length > 0.0 else None
+
+    def forget(self) -> None:
+        """Forget the last step along the path."""
+        for part in self.motion:
+            part[:] = 0.0
 
 
 def _next_shift(held: list[FloatArray], found: list[FloatArray], speed: FloatArray) -> FloatArray:

@@ -72,13 +72,14 @@ def alternate(
     settings: SolverSettings,
     forces: FloatArray,
     infeasible: Callable[[float], bool] | None = None,
-    between: Callable[[FloatArray, int], int] | None = None,
+    between: Callable[[FloatArray, int, bool], int] | None = None,
 ) -> tuple[int, float, float]:
     """Sweep on the blocks of G as long as that will do, then take Newton steps with sweeps between them.
 
     Flat (3n,) forces are updated in place; `infeasible` is that of `BlockNewton.run`. Another method may come
-    `between` them: it takes the forces and the iterations that are left, improves the forces if it can, and
-    returns the iterations that it took. Return sweeps and steps, the velocity error and the force error.
+    `between` them: it takes the forces, the iterations that are left and whether Newton's steps are still to
+    come, improves the forces if it can, and returns the iterations that it took, zero if it does not try.
+    Return sweeps and steps, the velocity error and the force error.
     """
     tol, most = settings.tol, UNBOUNDED if settings.max_iterations is None else settings.max_iterations
     newton = BlockNewton(problem, tol, working_time() + settings.max_time)
@@ -92,11 +93,12 @@ def alternate(
             break
     if heavy(problem):
         return done, error, far
-    if between is not None and error > tol:
-        done += newton.run(forces, min(EARLY, most - done), *FIRST_TRY)[0]
-        _, error, far = newton.measure(forces)
+    for early in (True, False) if between is not None else ():
         if error > tol and done < most and working_time() < newton.end:
-            done += between(forces, most - done)
+            used = between(forces, most - done, early)
+            if used == 0 and early:
+                used = newton.run(forces, min(EARLY, most - done), *FIRST_TRY)[0]
+            done += used
             _, error, far = newton.measure(forces)
     if error > tol and done < most and working_time() < newton.end:
         used, error = newton.run(forces, most - done, *FIRST_TRY, infeasible=infeasible)
