@@ -43,7 +43,7 @@ def story_of(log: Log, setting: Setting, symptoms: tuple[Finding, ...], task_fai
         # what is read off such forces says nothing
         cause = _cause(WRONG_FRAME, frame)
         return Story((_event(cause),), (cause,), failed)
-    rules = [rule for rule in RULES if failed is not None or not rule.residual]
+    rules = [rule for rule in RULES if failed is not None or rule.alone or rule.outside or s.bolted]
     found = [(rule, sign) for rule in rules for sign in rule.find(s)]
     causes = tuple(_cause(rule, sign) for rule, sign in _order(found, s, failed))
     # in the order of the table where times are equal: a set's order is another one in each process
