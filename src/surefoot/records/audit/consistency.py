@@ -91,7 +91,7 @@ def pressing(rows: Rows) -> Measured:
     """Return the moment that forces at their contact points lack: (T, p + 1), in the body's column [N m]."""
     w = rows.window(rows.setting.limits.balance.smooth)
     value = np.linalg.norm(sliding_mean(rows.left_over[:, 3:], w), axis=1)
-    size = np.linalg.norm(rows.forces, axis=2).sum(axis=1) + rows.setting.weight
+    size = rows.force_sizes.sum(axis=1) + rows.setting.weight
     allowed = rows.setting.limits.consistency.press * size + moved_moment(rows)
     return over(on_body(rows, np.nan_to_num(value)), on_limit(rows, sliding_mean(allowed, w)))
 
@@ -116,7 +116,7 @@ def edge_forces(rows: Rows) -> FloatArray:
     """Return the forces that begin or end within their rows, nobody knows when: (T,) [N]."""
     if not rows.has("forces"):
         return np.zeros(rows.count)
-    return np.asarray((step_of(rows, np.linalg.norm(rows.forces, axis=2)) * edges(rows)).sum(axis=1))
+    return np.asarray((step_of(rows, rows.force_sizes) * edges(rows)).sum(axis=1))
 
 
 def uneven(log: Log, setting: Setting) -> str:
@@ -139,7 +139,7 @@ def _pushing(rows: Rows) -> FloatArray:
     """Return the sum of all forces' sizes and the weight: (T,) [N]."""
     out = np.full(rows.count, rows.setting.weight)
     if rows.has("forces"):
-        out += np.linalg.norm(rows.forces, axis=2).sum(axis=1)
+        out += rows.force_sizes.sum(axis=1)
     if "wrench_applied" in rows.log:
         out += np.linalg.norm(rows.numbers("wrench_applied")[:, :3], axis=1)
     return out
@@ -152,8 +152,7 @@ def _turned_within(rows: Rows) -> FloatArray:
     """
     if not rows.has("contact_positions", "forces") or "com" not in rows.log:
         return np.zeros(rows.count)
-    arm = np.linalg.norm(rows.numbers("contact_positions") - rows.numbers("com")[:, None], axis=2)
-    arm = np.where(rows.loaded, arm, 0.0).max(axis=0, initial=0.0).max(initial=0.0)
+    arm = float(np.where(rows.loaded, rows.arms, 0.0).max(initial=0.0))
     turn = turn_speed(rows) * rows.dt
     moment = rows.dt * arm * (_pushing(rows) - rows.setting.weight) / _mass(rows)
     return np.asarray(turn * (0.5 * arm**2 * turn_speed(rows) * turn + moment))

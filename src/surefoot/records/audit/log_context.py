@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 
@@ -281,12 +283,22 @@ def _robot(
             return None, "the log does not name its robot: give one"
         name = str(log.fact("robot"))
         try:
-            robot = load_robot(name)
+            robot = _named_robot(name)
         except SurefootError as error:
             return None, kept if "model_bodies" in log.facts else str(error)
         if recorded and abs(robot.mass - float(log.fact("mass"))) > same_mass * robot.mass:
             return None, f"the recording's {name} has another mass than ours: give the robot itself"
     return _as_logged(robot, log, owner, doubts, recorded)
+
+
+def _named_robot(name: str) -> Robot:
+    """Return a robot that a log names: one of a file is read anew, ours are kept."""
+    return load_robot(name) if Path(name).suffix else _known_robot(name)
+
+
+@lru_cache(maxsize=4)
+def _known_robot(name: str) -> Robot:
+    return load_robot(name)
 
 
 def _as_logged(

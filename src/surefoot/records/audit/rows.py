@@ -48,6 +48,7 @@ class Rows:
         self.setting = setting
         self.count = len(self.log)
         self.points = len(setting.names)
+        self._numbers: dict[str, FloatArray] = {}
 
     def has(self, *names: str) -> bool:
         """Return whether the log has all of these channels."""
@@ -55,9 +56,12 @@ class Rows:
 
     def numbers(self, name: str) -> FloatArray:
         """Return a channel's rows (T, ...) in its unit, zero where they are not finite."""
-        values = np.asarray(self.log[name], dtype=np.float64)
-        finite = np.isfinite(values)
-        return values if finite.all() else np.where(finite, values, 0.0)
+        known = self._numbers.get(name)
+        if known is None:
+            values = np.asarray(self.log[name], dtype=np.float64)
+            finite = np.isfinite(values)
+            known = self._numbers[name] = values if finite.all() else np.where(finite, values, 0.0)
+        return known
 
     @cached_property
     def not_finite(self) -> BoolArray:
@@ -156,12 +160,27 @@ class Rows:
     def unsure_way(self) -> FloatArray:
         """(T, p) way along the ground that velocities of the ends of loaded rows leave open [m].
 
-        Half of their change; all of it where they are means, since friction changes with the slip meanwhile.
+        Half of their change; all of it where they are means, since friction changes with the slip meanwhile,
+        and from the row before as well as to the next: a mean lies between its neighbours.
         """
         change = np.diff(self.velocities[..., :2], axis=0, append=self.velocities[-1:, :, :2])
-        share = 1.0 if self.setting.means else 0.5
-        size = share * self.dt[:, None] * np.hypot(*np.moveaxis(change, -1, 0))
+        size = self.dt[:, None] * np.hypot(*np.moveaxis(change, -1, 0))
+        if self.setting.means:
+            size[1:] = np.maximum(size[1:], size[:-1].copy())
+        else:
+            size *= 0.5
         return np.asarray(np.where(self.loaded, size, 0.0))
+
+    @cached_property
+    def arms(self) -> FloatArray:
+        """(T, p) distances of the contact points from the centre of mass [m]."""
+        apart = self.numbers("contact_positions") - self.numbers("com")[:, None]
+        return np.sqrt(np.einsum("tpi,tpi->tp", apart, apart))
+
+    @cached_property
+    def force_sizes(self) -> FloatArray:
+        """(T, p) [N]."""
+        return np.sqrt(np.einsum("tpi,tpi->tp", self.forces, self.forces))
 
     @cached_property
     def frames(self) -> FloatArray:
@@ -289,11 +308,14 @@ def on_body(rows: Rows, value: FloatArray) -> FloatArray:
 
 def sliding_sum(values: FloatArray, rows: int) -> FloatArray:
     """Return the sum over a window of so many rows about each row: shape and unit of (T, ...) values."""
-    total = np.concatenate([np.zeros((1, *values.shape[1:])), np.cumsum(values, axis=0)])
-    index = np.arange(len(values))
-    low = np.maximum(index - (rows - 1) // 2, 0)
-    high = np.minimum(index + rows // 2 + 1, len(values))
-    return np.asarray(total[high] - total[low])
+    count, below, above = len(values), (rows - 1) // 2, rows // 2 + 1
+    total = np.zeros((count + 1, *values.shape[1:]))
+    np.cumsum(values, axis=0, out=total[1:])
+    out, inside = np.empty_like(total[1:]), max(count - above + 1, 0)
+    out[:inside], out[inside:] = total[above : above + inside], total[count]
+    if below < count:
+        out[below:] -= total[: count - below]
+    return out
 
 
 def sliding_mean(values: FloatArray, rows: int) -> FloatArray:
@@ -302,6 +324,10 @@ def sliding_mean(values: FloatArray, rows: int) -> FloatArray:
     NaN for less than half.
     """
     known = np.isfinite(values)
+    if known.all():
+        places = np.arange(len(values))
+        inside = np.minimum(places + rows // 2 + 1, len(values)) - np.maximum(places - (rows - 1) // 2, 0)
+        return sliding_sum(values, rows) / inside.reshape(-1, *[1] * (values.ndim - 1))
     count = sliding_sum(known.astype(np.float64), rows)
     total = sliding_sum(np.where(known, values, 0.0), rows)
     with np.errstate(invalid="ignore", divide="ignore"):

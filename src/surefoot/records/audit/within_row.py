@@ -61,8 +61,8 @@ def moved_moment(rows: Rows) -> FloatArray:
     means of places: weight and contacts go on meanwhile.
     """
     com, place = rows.numbers("com"), rows.numbers("contact_positions")
-    size = np.linalg.norm(rows.forces, axis=2)
-    out = (size * np.linalg.norm(place - com[:, None], axis=2)).sum(axis=1) * turn_speed(rows) * rows.dt
+    size = rows.force_sizes
+    out = np.einsum("tp,tp->t", size, rows.arms) * turn_speed(rows) * rows.dt
     if rows.setting.means:
         went, wandered = (np.linalg.norm(np.gradient(part, axis=0), axis=-1) for part in (com, place))
         out = out + (size.sum(axis=1) + rows.setting.weight) * went + (size * wandered).sum(axis=1)

@@ -187,7 +187,16 @@ class Log(Drawn):
         facts = self.facts
         if "episode_rows" in facts:
             facts = facts_of_selection(facts, np.arange(len(self))[which])
+        if isinstance(which, slice) and self.arrays.keys() == self.channels.keys():
+            return self._sliced(arrays, facts)
         return Log(arrays, facts, channels=self.channels)
+
+    def _sliced(self, arrays: dict[str, Any], facts: dict[str, Any]) -> Log:
+        """Return a log of slices of this one's arrays, which fit each other as those do."""
+        out = object.__new__(Log)
+        out.arrays, out.facts, out.parts = arrays, facts, None
+        out.channels, out.sizes = dict(self.channels), dict(self.sizes)
+        return out
 
     def chunks(self, rows: int = 1 << 16) -> Iterator[Log]:
         """Yield the log in pieces of consecutive rows; a log of at most `rows` rows as it is."""

@@ -15,7 +15,7 @@ from surefoot.records.audit.story.world_causes import model_changes
 
 LAGS, COARSE = 0.065, 0.004
 """Longest delay that is looked for, and in which steps at first [s]."""
-ENOUGH = 1500
+ENOUGH = 1000
 """Rows from which a delay is told; of a longer log every so many."""
 HELD, LEAST_TICKS = 0.95, 20
 """Share of torques held for some rows that turn in chatter, of so many: by chance two of three turn."""
@@ -155,11 +155,11 @@ def _open_share(
     stride = max(1, len(pairs[0]) // ENOUGH)
     one, two = (rows[::stride] for rows in pairs)
     on = free[two]
-    t = np.where(on, torque[two] - torque[one], 0.0)
-    x, y = (np.where(on, part[two - lag] - part[one - lag], 0.0) for part in (q, v))
-    total = np.sum(t * t, axis=0)
-    xx, yy, xy = np.sum(x * x, axis=0), np.sum(y * y, axis=0), np.sum(x * y, axis=0)
-    tx, ty = np.sum(t * x, axis=0), np.sum(t * y, axis=0)
+    t, x, y = torque[two] - torque[one], q[two - lag] - q[one - lag], v[two - lag] - v[one - lag]
+    if not on.all():
+        t, x, y = (np.where(on, part, 0.0) for part in (t, x, y))
+    pairs_of = ((t, t), (x, x), (y, y), (x, y), (t, x), (t, y))
+    total, xx, yy, xy, tx, ty = (np.einsum("tj,tj->j", a, b) for a, b in pairs_of)
     det = xx * yy - xy * xy
     good = (det > 1e-9 * xx * yy) & (on.sum(axis=0) >= 20)
     explained = (tx * tx * yy - 2.0 * tx * ty * xy + ty * ty * xx) / np.where(good, det, 1.0)

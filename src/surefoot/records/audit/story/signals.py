@@ -181,6 +181,12 @@ class Signals:
         return np.asarray(self.forces[..., 2] > self.limits.loaded * self.weight)
 
     @cached_property
+    def begun(self) -> float:
+        """Time of the first force [s]."""
+        on = self.forces.any(axis=(1, 2))
+        return float(self.time[int(on.argmax())]) if on.any() else float(self.time[0])
+
+    @cached_property
     def gaps(self) -> FloatArray:
         """(T, p) distances to what is touched, negative in penetration [m]; zero where the log has none."""
         return self.numbers("gaps") if "gaps" in self else np.zeros(self.loaded.shape)

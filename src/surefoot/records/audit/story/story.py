@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.report import Finding
 from surefoot.records.audit.story.causes import RULES, WRONG_FRAME, Rule, frame_sign
@@ -12,6 +14,8 @@ from surefoot.records.audit.story.story_limits import STORY_LIMITS, StoryLimits
 from surefoot.records.audit.story.told import Cause, Event, Story
 from surefoot.records.log import Log
 
+DRAWN_OUT = ("strays", "stands crooked")
+"""Failures without a moment."""
 MOST_PLACES = 4
 """Places of a cause that are named."""
 MOST_ROWS = 200_000
@@ -44,14 +48,18 @@ def story_of(
     failed = next(iter(happened), None)  # a fall says more than a slide, that more than a way
     if failed is None and task_failed:
         failed = Event("task failed", float(s.time[-1]), "body", task_failed)
-    frame = next(WRONG_FRAME.find(s), None) or frame_sign(symptoms)
+    frame = next(WRONG_FRAME.find(s), None) or frame_sign(symptoms, s.begun)
     if frame is not None and (failed is None or frame.time < failed.time):
         # what is read off such forces says nothing
         cause = _cause(WRONG_FRAME, frame)
         return Story((_event(cause),), (cause,), failed)
-    rules = [rule for rule in RULES if failed is not None or not rule.residual]
+    rules = [rule for rule in RULES if failed is not None or rule.alone or rule.outside or s.bolted]
     found = [(rule, sign) for rule in rules for sign in rule.find(s)]
-    causes = tuple(_cause(rule, sign) for rule, sign in _order(found, s, failed))
+    ordered = _order(found, s, failed)
+    if not ordered and failed is not None and failed.name in DRAWN_OUT:
+        # who loses its way little by little may have done so before the cause of its end
+        ordered = _order(found, s, replace(failed, time=float(s.time[-1])))
+    causes = tuple(_cause(rule, sign) for rule, sign in ordered)
     # in the order of the table where times are equal: a set's order is another one in each process
     events = dict.fromkeys([*(_event(_cause(rule, sign)) for rule, sign in found), *happened])
     return Story(tuple(sorted(events, key=lambda e: e.time)), causes, failed)

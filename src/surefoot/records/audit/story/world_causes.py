@@ -249,7 +249,10 @@ def _hits_stand(s: Signals) -> Iterator[Sign]:
 
 def wrong_frame(s: Signals) -> Iterator[Sign]:
     """Yield that the forces of a log are those that moved it once they are turned, or of the other sign."""
-    if "momentum_rate" not in s or not s.forces.any() or not s.mass > 0.0:
+    if not s.forces.any() or not s.mass > 0.0:
+        return
+    if "momentum_rate" not in s:
+        yield from _beyond_cones(s)
         return
     applied = s.numbers("wrench_applied")[:, :3] if "wrench_applied" in s else 0.0
     needed = s.numbers("momentum_rate")[:, :3] - s.mass * s.gravity - applied
@@ -275,6 +278,17 @@ def wrong_frame(s: Signals) -> Iterator[Sign]:
     words, best = min(tried.items(), key=lambda item: left(item[1]))
     if left(best) < 0.2 * amiss:
         yield Sign(float(s.time[0]), "all", f"they explain the motion once one takes that they {words}", 1.0)
+
+
+def _beyond_cones(s: Signals) -> Iterator[Sign]:
+    """Yield that no contact gives most of a log's forces: where nothing else is known of what they moved."""
+    on = s.loaded & np.isfinite(s.mu) & (s.mu > 0.0)
+    if on.sum() < s.rows(s.limits.window):
+        return
+    share = float((s.friction_use[on] > 1.0 + s.limits.turned).mean())
+    if share > 0.5:
+        words = f"{share:.0%} of them lie far outside of their cones: their axes are not the contacts'"
+        yield Sign(float(s.time[0]), "all", words, share)
 
 
 def _turned_about_normals(s: Signals, needed: FloatArray) -> FloatArray:
