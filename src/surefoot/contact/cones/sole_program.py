@@ -39,7 +39,7 @@ X, S, DX, DS, POINT, BETA, RIGHT, DET_X, DET_S, KEPT, WORK = 0, 4, 8, 12, 16, 20
 def see(
     table: FloatArray, i: int, mu: float, radius: float, v: FloatArray, work: FloatArray, at: int
 ) -> None:
-    """Set work[i, at : at + 4] to C v, with `free` times v[5] for the normal."""
+    """Set work[i, at : at + 4] to C v for a velocity v (6,)."""
     work[i, at] = v[5] + table[i, LX] * v[2] + table[i, LY] * v[3]
     work[i, at + 1] = mu * (v[0] - table[i, QY] * v[4])
     work[i, at + 2] = mu * (v[1] + table[i, QX] * v[4])
@@ -279,7 +279,7 @@ def advance(
 
 @inline_kernel
 def lacking(start: FloatArray, rest: FloatArray, k: int) -> float:
-    """Return a total normal force that brings the least corner forces for -rest[:5] into their cones.
+    """Return a total normal force that brings the least corner forces for -rest (5,) into their cones.
 
     `rest` is what forces give beyond a wrench, which so much more of an even pressure gives exactly.
     """
