@@ -49,7 +49,7 @@ def races(count: int, seed: int) -> list[Cost]:
     near = random_wrenches(rng, judge, sole.mu, 3 * few)[::3]
     mixed = random_wrenches(rng, judge, sole.mu, few)
     many = np.tile(random_wrenches(rng, judge, sole.mu, min(count, 10_000)), (-(-count // 10_000), 1))[:count]
-    out = np.empty(len(many), dtype=np.bool_)
+    out = np.empty(len(many), dtype=np.int8)
     given = sole._data
 
     def batch(wrenches: FloatArray, ask: Callable[[FloatArray], Any]) -> float:

@@ -22,7 +22,7 @@ def check_laws(contact: ContactKind, f: np.ndarray, u: np.ndarray, theta: float,
     if name == "Planar":
         gamma, power = mu * abs(u[0]), f[0] * u[0]
         assert abs(f[0]) <= mu * z + tol
-    elif name in ("Point", "Rolling", "Patch", "SoftFinger"):
+    elif name in ("Point", "Rolling", "DecoupledSole", "SoftFinger"):
         reach, size = (math.hypot(*u[:2]), math.hypot(*f[:2]))
         power = float(f[:2] @ u[:2])
         if name == "SoftFinger":
@@ -34,7 +34,7 @@ def check_laws(contact: ContactKind, f: np.ndarray, u: np.ndarray, theta: float,
             gamma += contact.resistance * math.hypot(*u[3:])
             power += float(f[3:] @ u[3:])
             assert math.hypot(*f[3:]) <= contact.resistance * (z + tol)
-        if name == "Patch":
+        if name == "DecoupledSole":
             gamma += contact.torsion * abs(u[5])
             power += f[5] * u[5]
             tipping = 0.5 * contact.width * abs(u[3]) + 0.5 * contact.length * abs(u[4])

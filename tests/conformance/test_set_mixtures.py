@@ -32,7 +32,7 @@ def draw(rng: np.random.Generator) -> ContactKind:
         2: lambda: C.Point(mu, **bounds),
         3: lambda: C.SoftFinger(mu, length, **bounds),
         4: lambda: C.Rolling(mu, length, **bounds),
-        5: lambda: C.Patch(mu, *size, length, **bounds),
+        5: lambda: C.DecoupledSole(mu, *size, length, **bounds),
         6: lambda: C.Pyramid(mu, int(rng.integers(3, 9)), str(rng.choice(["inner", "outer"])), **bounds),
         7: lambda: C.Bilateral(int(rng.integers(1, 7))),
     }

@@ -26,7 +26,7 @@ KINDS: dict[str, ContactKind] = {
     "point": C.Point(0.5),
     "soft finger": C.SoftFinger(0.5, 0.03),
     "rolling": C.Rolling(0.5, 0.02),
-    "patch": C.Patch(0.5, 0.2, 0.1, 0.03),
+    "patch": C.DecoupledSole(0.5, 0.2, 0.1, 0.03),
     "pyramid": C.Pyramid(0.5, 6),
     "bilateral": C.Bilateral(2),
 }
@@ -93,7 +93,7 @@ def cone_rows(contact: ContactKind) -> list[np.ndarray]:
     rows = [np.array(slide)]
     if name == "Rolling":
         rows.append(np.array([z, E[3] / contact.resistance, E[4] / contact.resistance]))
-    if name == "Patch":
+    if name == "DecoupledSole":
         for row, limit in ((3, 0.5 * contact.width), (4, 0.5 * contact.length), (5, contact.torsion)):
             rows.append(np.array([z, E[row] / limit]))
     return rows
@@ -222,7 +222,7 @@ def test_a_patch_is_its_four_corners(speed: float, rate: float, law: str) -> Non
     corners = [np.array([a * length / 2, b * width / 2, -height]) for a in (1, -1) for b in (1, -1)]
     J = np.vstack([sole(corner)[:3] for corner in corners])
     patch = sf.ContactProblem(
-        P @ inverse @ P.T, P @ v, contacts=[C.Patch(0.6, length, width, torsion=0.05)], law=law
+        P @ inverse @ P.T, P @ v, contacts=[C.DecoupledSole(0.6, length, width, torsion=0.05)], law=law
     )
     points = sf.ContactProblem(J @ inverse @ J.T, J @ v, 0.6, law=law)
     one = sf.solve(patch, tol=1e-10).raise_if_failed().forces.ravel()
@@ -242,7 +242,7 @@ def test_what_has_no_solution_is_proven_and_what_cannot_be_proven_is_not_claimed
     assert sf.solve(sf.ContactProblem(press, [-1.0, 1.0], contacts=[C.Frictionless()] * 2)).solved
     # one body between two soles that face each other and close, or turn into each other
     J = np.vstack([np.eye(6), np.diag([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])])
-    patch = C.Patch(0.5, 0.2, 0.1, 0.02)
+    patch = C.DecoupledSole(0.5, 0.2, 0.1, 0.02)
     for law in ("coulomb", "convex"):
         for g in ([0, 0, -1, 0, 0, 0] * 2, [0, 0, -0.1, 3, 0, 0] * 2):
             problem = sf.ContactProblem(J @ J.T, np.array(g, float), contacts=[patch] * 2, law=law)
@@ -266,7 +266,7 @@ def test_what_has_no_solution_is_proven_and_what_cannot_be_proven_is_not_claimed
 @pytest.mark.parametrize("unit", [1e-9, 1e-3, 1e3, 1e9])
 def test_units_do_not_matter(unit: float, solver: str) -> None:
     contacts = [
-        C.Patch(0.5, 0.2, 0.1, 0.02), C.SoftFinger(0.4, 0.01), C.Planar(0.3), C.Bilateral(2),
+        C.DecoupledSole(0.5, 0.2, 0.1, 0.02), C.SoftFinger(0.4, 0.01), C.Planar(0.3), C.Bilateral(2),
         C.Pyramid(0.4, 5, "outer"), C.Rolling(0.3, 0.01), C.Frictionless(normal_max=0.0), C.Point(0.4),
     ]  # fmt: skip
     for law in LAWS:
@@ -284,7 +284,7 @@ def test_units_do_not_matter(unit: float, solver: str) -> None:
 
 
 def test_bounds_and_warm_starts() -> None:
-    contacts = [C.SoftFinger(0.4, 0.02, normal_min=0.2, normal_max=0.5), C.Patch(0.5, 0.2, 0.1, 0.02)]
+    contacts = [C.SoftFinger(0.4, 0.02, normal_min=0.2, normal_max=0.5), C.DecoupledSole(0.5, 0.2, 0.1, 0.02)]
     for law in LAWS:
         problem = problem_of(contacts, 5, law)
         cold = sf.solve(problem, tol=1e-10).raise_if_failed()
@@ -298,7 +298,7 @@ def test_bounds_and_warm_starts() -> None:
 
 
 def test_forces_that_are_no_numbers_are_never_lawful() -> None:
-    problem = problem_of([C.Patch(0.5, 0.2, 0.1, 0.02), C.Planar(0.3)], 1, "coulomb")
+    problem = problem_of([C.DecoupledSole(0.5, 0.2, 0.1, 0.02), C.Planar(0.3)], 1, "coulomb")
     forces = np.zeros(8)
     forces[3] = np.nan
     assert math.isnan(sf.residuals(problem, forces).worst)

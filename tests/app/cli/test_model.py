@@ -17,7 +17,7 @@ def test_go2(answer):
 
 def test_g1_feet_are_patches(answer):
     found = answer("model", "g1")
-    assert [f["shape"] for f in found["feet"]] == ["patch", "patch"]
+    assert [f["shape"] for f in found["feet"]] == ["sole", "sole"]
     assert [f["rank_of_its_leg"] for f in found["feet"]] == [6, 6]
     assert found["contact_jacobian"]["rank"] == 12
 

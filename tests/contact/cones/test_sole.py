@@ -1,14 +1,17 @@
 """The exact cone of a sole, against Clarabel on its corner forces, 50 digits, and closed forms."""
 
 import math
+from decimal import Decimal
 
 import numpy as np
 import pytest
 
 from benchmarks.soles.judges import ClarabelSole, least_in_digits, random_sole, random_wrenches
 from surefoot.base.errors import ProblemError
+from surefoot.contact.cones import sole_proof
 from surefoot.contact.cones.friction import FrictionCone
 from surefoot.contact.cones.sole import Sole
+from surefoot.contact.cones.sole_proof import count_moments
 
 PUSH = [55.0, 0.0, 100.0, 0.0, 0.0, 0.0]
 SOLE = Sole(0.22, 0.09, mu=0.6)
@@ -16,7 +19,7 @@ TRIANGLE = Sole.of_corners([[0.1, 0], [0, 0.1], [0, -0.1]], 2.0)
 
 
 def size(sole, wrenches):
-    return np.array([np.linalg.norm(sole._count_moments(w)) for w in np.reshape(wrenches, (-1, 6))])
+    return np.array([np.linalg.norm(count_moments(sole, w)) for w in np.reshape(wrenches, (-1, 6))])
 
 
 @pytest.mark.parametrize("number", range(6))
@@ -69,12 +72,53 @@ def test_verdicts_come_with_proofs(number):
         if verdict.holds:
             arms = np.column_stack([sole.corners, np.zeros(len(sole.corners))])
             got = np.concatenate([verdict.forces.sum(axis=0), np.cross(arms, verdict.forces).sum(axis=0)])
-            assert np.linalg.norm(sole._count_moments(got - w)) <= 1e-8 * max(1.0, scale)
+            assert np.linalg.norm(count_moments(sole, got - w)) <= 1e-8 * max(1.0, scale)
             assert cone.margin(verdict.forces).min() >= -1e-8 * max(1.0, scale)
         else:
             assert float(verdict.twist @ w) > 0.0
             assert sole.support(verdict.twist) == 0.0
     assert kinds == {True, False}
+
+
+@pytest.mark.parametrize(
+    ("number", "rows"),
+    [(3, [6252, 6789, 7656]), (4, [3364, 8383]), (13, [485, 5679, 9532]), (17, [1433, 1560])],
+)
+def test_wrenches_at_which_rounding_stops_the_steps_are_settled_in_more_digits(number, rows):
+    rng = np.random.default_rng(number)
+    corners, mu = random_sole(rng, number)
+    sole, judge = Sole.of_corners(corners, mu), ClarabelSole(corners, mu)
+    wrenches = random_wrenches(rng, judge, mu, max(rows) + 1)[rows]
+    for w in wrenches:
+        low, high = least_in_digits(corners, mu, w)
+        scale, holds = size(sole, w)[0], Decimal(float(w[2])) >= high
+        assert bool(sole.contains(w, 0.0)) == holds
+        assert (sole.friction_needed(w) <= mu) == holds
+        assert abs(float(Decimal(float(w[2])) - low) - sole.margin(w)) < 1e-9 * scale
+        assert sole.verdict(w, 1e-11).holds is holds
+
+
+def test_doubles_and_more_digits_say_the_same():
+    rng = np.random.default_rng(11)
+    corners, mu = random_sole(rng, 1)
+    for sole in (Sole.of_corners(corners, mu), Sole.of_corners(corners, mu, 0.02)):
+        wrenches = random_wrenches(rng, ClarabelSole(corners, mu), mu, 40)
+        given, scale = sole._data, size(sole, wrenches)
+        unsure = np.ones(40, dtype=bool)
+        told = sole_proof.hold_in_digits(sole, given, wrenches, 1e-9, unsure)
+        assert np.array_equal(told, sole.contains(wrenches))
+        needs, shares = np.full(40, np.nan), np.empty((40, 3))
+        sole_proof.measure_in_digits(sole, given, wrenches, needs, shares)
+        assert np.allclose(needs, wrenches[:, 2] - sole.margin(wrenches), rtol=0, atol=2e-9 * scale)
+        use = sole.use(wrenches)
+        kinds = np.column_stack([use.friction, use.edge, use.yaw]) * wrenches[:, 2:3]
+        held = wrenches[:, 2] > 0.0
+        assert np.allclose(shares[held].sum(axis=1), kinds[held].sum(axis=1), rtol=0, atol=1e-6 * scale.max())
+        needed = sole.friction_needed(wrenches)
+        some = np.isfinite(needed) & (needed > 0.0)
+        found = -np.where(some, 0.5 * needed, -1.0)
+        sole_proof.frictions_in_digits(sole, given, wrenches, found)
+        assert np.allclose(found[some], needed[some], rtol=1e-7, atol=0)
 
 
 def test_what_each_limit_takes_alone():
@@ -131,7 +175,7 @@ def test_the_nearest_wrench_obeys_moreau(sole):
     near = sole.project(wrenches)
     assert sole.contains(near, 1e-7).all()
     for w, p in zip(wrenches, near, strict=True):
-        rest, own = sole._count_moments(w - p), sole._count_moments(p)
+        rest, own = count_moments(sole, w - p), count_moments(sole, p)
         scale = size(sole, w)[0]
         assert abs(rest @ own) <= 1e-6 * scale**2
         # as a twist about the origin: moments over the radius, twice

@@ -29,8 +29,8 @@ KINDS: dict[str, ContactKind] = {
     "soft finger, free to turn": C.SoftFinger(0.5, 0.0),
     "rolling": C.Rolling(0.5, 0.02, normal_max=3.0),
     "rolling, free": C.Rolling(0.5, 0.0),
-    "patch": C.Patch(0.6, 0.2, 0.1, 0.03),
-    "patch, free to turn": C.Patch(0.6, 0.2, 0.1, 0.0, normal_min=0.3),
+    "patch": C.DecoupledSole(0.6, 0.2, 0.1, 0.03),
+    "patch, free to turn": C.DecoupledSole(0.6, 0.2, 0.1, 0.0, normal_min=0.3),
     "pyramid": C.Pyramid(0.6, 5),
     "pyramid, outer, bounded": C.Pyramid(0.6, 8, "outer", normal_min=0.5, normal_max=2.0),
     "bilateral": C.Bilateral(),
@@ -67,7 +67,7 @@ def admissible(contact: ContactKind, f: np.ndarray, slack: float = 1e-9) -> bool
             math.hypot(f[0], f[1]) - contact.mu * z,
             (math.hypot(f[3], f[4]) - contact.resistance * z) / (contact.resistance or 1.0),
         ],
-        "Patch": lambda: [
+        "DecoupledSole": lambda: [
             math.hypot(f[0], f[1]) - contact.mu * z,
             abs(f[3]) / (0.5 * contact.width) - z,
             abs(f[4]) / (0.5 * contact.length) - z,
@@ -186,7 +186,7 @@ def test_a_soft_finger_without_radius_is_a_point_and_a_plane_a_section_of_one() 
 
 
 def test_a_set_splits_packs_and_copies() -> None:
-    contacts = ContactSet([C.Planar(0.5), C.Patch(0.5, 0.2, 0.1, 0.0), C.Frictionless()])
+    contacts = ContactSet([C.Planar(0.5), C.DecoupledSole(0.5, 0.2, 0.1, 0.0), C.Frictionless()])
     assert (len(contacts), contacts.rows, contacts.shape) == (3, 9, (9,))
     assert [part.size for part in contacts.split(np.arange(9.0))] == [2, 6, 1]
     assert contacts.normal_rows.tolist() == [1, 4, 8]
@@ -221,8 +221,8 @@ def test_three_row_contacts_become_the_short_form() -> None:
     [
         (lambda: C.Point(-1.0), "mu must be a number between 0"),
         (lambda: C.Point("a"), "mu must be a number, got 'a'"),
-        (lambda: C.Patch(0.5, 0.0, 1.0, 0.0), "length and width must be > 0"),
-        (lambda: C.Patch(0.5, 1.0, 1.0, -1.0), "torsion must be a number"),
+        (lambda: C.DecoupledSole(0.5, 0.0, 1.0, 0.0), "length and width must be > 0"),
+        (lambda: C.DecoupledSole(0.5, 1.0, 1.0, -1.0), "torsion must be a number"),
         (lambda: C.SoftFinger(0.5, math.nan), "radius must be a number"),
         (lambda: C.Rolling(0.5, math.inf), "resistance must be a number"),
         (lambda: C.Bilateral(9), "rows must be at most 6"),

@@ -99,11 +99,15 @@ def test_a_shape_on_its_side_is_a_line(tmp_path: Path, shape: str) -> None:
     assert foot.centre == pytest.approx([0.03, 0.0, -0.04], abs=1e-6)
 
 
-def test_a_cylinder_that_stands_is_the_square_in_its_disc(tmp_path: Path) -> None:
+def test_a_cylinder_that_stands_is_eight_corners_of_its_disc(tmp_path: Path) -> None:
     disc = '<geometry><cylinder radius="0.06" length="0.02"/></geometry>'
     robot = read(write_biped(tmp_path, f'<collision><origin xyz="0 0 -0.04"/>{disc}</collision>'))
-    assert sole_size(robot) == pytest.approx([0.06 * 2**0.5] * 2, abs=3e-3)
-    assert "(64 % of its area)" in robot.feet[0].why
+    foot = robot.feet[0]
+    assert len(foot.corners) == 8
+    out = np.linalg.norm(foot.corners + foot.centre[:2], axis=1)
+    assert 0.056 < out.min() < out.max() < 0.06
+    assert np.abs(foot.centre[:2]).max() < 2e-3
+    assert "a sole of 8 corners, 120 x 120 mm" in foot.why
 
 
 def test_a_mesh_is_what_is_flat_below_it(tmp_path: Path) -> None:

@@ -88,8 +88,9 @@ def _feet(robot: Any, stance: Any, J: Any) -> list[dict[str, Any]]:
     return [
         {
             "name": foot.name,
-            "shape": "patch" if foot.flat else "point",
+            "shape": "sole" if foot.flat else "point",
             "size": list(foot.size) if foot.flat else [2.0 * foot.radius],
+            "corners": foot.corners,
             "position": contact.position,
             "why": foot.why,
             "rows": contact.dim,

@@ -58,6 +58,11 @@ def torque_line(summary: RunSummary) -> str:
     return f"hardest worked joint {summary.torque_use_joint}, at {use:.0f} % of its limit"
 
 
+def world_lines(summary: RunSummary) -> list[str]:
+    """Return what is said about where the run took place: a line, or none."""
+    return [f"world: {summary.world}"] if summary.world else []
+
+
 def motor_lines(summary: RunSummary) -> list[str]:
     """Return what is said about the use of the motors: a line, or none."""
     use = summary.motors
@@ -141,6 +146,7 @@ def stand_lines(summary: StandSummary) -> list[str]:
         if foot.pressure_margin is not None
     ]
     return [
+        *world_lines(summary),
         f"mean total normal force {total:.2f} N, {100 * total / weight:.2f} % of m g = {weight:.1f} N",
         f"base moved at most {1e3 * base.position_max:.1f} mm and {base.tilt_max_deg:.2f} deg, "
         f"ended {1e3 * base.position_end:.2f} mm and {base.tilt_end_deg:.2f} deg from its place",
@@ -198,6 +204,7 @@ def walk_lines(summary: WalkSummary) -> list[str]:
     """Return further figures, one line each."""
     excess = summary.commanded_cone_excess
     return [
+        *world_lines(summary),
         *summary.notes,
         "the controller counts on no forces"
         if math.isnan(excess)

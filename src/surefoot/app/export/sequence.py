@@ -12,6 +12,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray, finite_array, real_number, whole_number
 from surefoot.base.errors import ProblemError, check_name
 from surefoot.contact import Fit
+from surefoot.mechanics.robot.outlines import inner_rectangle
 from surefoot.mechanics.stance import HalfSpaces, SoleContact, Stance
 
 
@@ -138,14 +139,20 @@ class ContactSequence:
 
 
 def rectangle_of(contact: SoleContact) -> tuple[float, float]:
-    """Return length and width [m] of a contact's sole.
+    """Return length and width [m] of a contact's sole, of any other polygon those of a rectangle inside it.
+
+    The rectangle is about the contact's frame: the largest one in the polygon, made even about the frame.
 
     Raises
     ------
     ProblemError
-        For a sole that is no rectangle: sequences hold no others.
+        For a sole that does not reach to all sides of its frame.
     """
     length, width = contact.sole.length, contact.sole.width
-    if length is None or width is None:
-        raise ProblemError(f"a contact sequence holds rectangular soles, {contact.name} has {contact.sole!r}")
-    return length, width
+    if length is not None and width is not None:
+        return length, width
+    low, high = inner_rectangle(contact.sole.corners)
+    half = np.minimum(-low, high)
+    if not (half > 0.0).all():
+        raise ProblemError(f"no rectangle about the frame of {contact.name} is inside its {contact.sole!r}")
+    return 2.0 * float(half[0]), 2.0 * float(half[1])

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from surefoot.app.export.sequence import ContactSequence, SequencePhase, rectangle_of
+from surefoot.app.export.sequence import ContactSequence, SequencePhase
 from surefoot.base.arrays import FloatArray, finite_array, of_kind
 from surefoot.base.errors import ProblemError, located, shown, writing
 from surefoot.base.text_files import path_of, read_json
@@ -18,7 +18,7 @@ from surefoot.mechanics.stance import Contact, PointContact, SoleContact, Stance
 
 if TYPE_CHECKING:
     from surefoot.app.export.sequence_keys import Contact as ContactKeys
-    from surefoot.app.export.sequence_keys import Friction, HalfSpaces, Phase
+    from surefoot.app.export.sequence_keys import Friction, HalfSpaces, Patch, Phase
 
 FORMAT, VERSION = "surefoot.contact-sequence", 1
 SCHEMA = Path(__file__).with_name("contact_sequence.schema.json")
@@ -106,10 +106,12 @@ def _phase_entry(sequence: ContactSequence, number: int) -> dict[str, Any]:
         rows = Stance([contact]).halfspaces(sequence.facets, sequence.fit)
         force = None if phase.forces is None else phase.forces[at : at + contact.dim].tolist()
         at += contact.dim
-        patch = None
+        patch: dict[str, Any] | None = None
         if isinstance(contact, SoleContact):
-            length, width = rectangle_of(contact)
-            patch = {"length": length, "width": width}
+            sole = contact.sole
+            patch = {"length": sole.length, "width": sole.width}
+            if sole.length is None:
+                patch = {"corners": sole.corners.tolist()}
         contacts.append(
             {
                 "frame": contact.name,
@@ -155,11 +157,21 @@ def _contact(where: str, given: ContactKeys, friction: Friction) -> tuple[Contac
         if patch is None:
             contact = PointContact(mu=given["mu"], **options)
         else:
-            contact = SoleContact(sole=Sole(patch["length"], patch["width"], given["mu"]), **options)
+            contact = SoleContact(sole=_sole(patch, given["mu"]), **options)
         contact.rotation_world_contact = turn  # as written, to the last bit
         _check_rows(contact, given.get("halfspaces"), friction)
         force = given.get("force")
         return contact, None if force is None else finite_array("force", force, (contact.dim,))
+
+
+def _sole(patch: Patch, mu: float) -> Sole:
+    """Return the sole of a patch: its length and width, or its corners."""
+    told = sorted(patch)
+    if told == ["corners"]:
+        return Sole.of_corners(finite_array("patch.corners", patch["corners"], (None, 2)), mu)
+    if told != ["length", "width"]:
+        raise ProblemError(f"a patch has length and width, or corners; got {', '.join(told) or 'neither'}")
+    return Sole(patch["length"], patch["width"], mu)
 
 
 def _check_rows(contact: Contact, given: HalfSpaces | None, friction: Friction) -> None:

@@ -20,12 +20,14 @@ Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 @with_config(FILE)
 class Patch(TypedDict):
-    """A foot that touches with a rectangle."""
+    """A foot that touches with a rectangle (length and width), or with a convex polygon (corners)."""
 
-    length: Size
+    length: NotRequired[Size]
     """Full, along x [m]."""
-    width: Size
+    width: NotRequired[Size]
     """Full, along y [m]."""
+    corners: NotRequired[list[Annotated[list[float], Field(min_length=2, max_length=2)]]]
+    """In the contact's frame [m]."""
 
 
 @with_config(FILE)

@@ -9,7 +9,6 @@ inside it.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -159,8 +158,13 @@ class Sole(Drawn):
         in it; its size is sqrt(||f||² + ||m||² / radius²).
         """
         w = self._wrenches(wrench)
-        out = np.empty(len(w), dtype=np.bool_)
-        self._kernels.hold(*self._data, w, tol, out)
+        flags = np.empty(len(w), dtype=np.int8)
+        if self._kernels.hold(*self._data, w, tol, flags):
+            from surefoot.contact.cones.sole_proof import hold_in_digits
+
+            unsure = flags == self._kernels.UNSURE
+            flags[unsure] = hold_in_digits(self, self._data, w, tol, unsure)
+        out: BoolArray = flags.view(np.bool_)
         return out.reshape(np.shape(wrench)[:-1]) if np.ndim(wrench) != 1 else out[0]
 
     def margin(self, wrench: ArrayLike) -> FloatArray:
@@ -195,6 +199,10 @@ class Sole(Drawn):
         def find(w: FloatArray) -> FloatArray:
             out = np.empty(len(w))
             self._kernels.frictions(*self._data, w, out)
+            if (out < 0.0).any():
+                from surefoot.contact.cones.sole_proof import frictions_in_digits
+
+                frictions_in_digits(self, self._data, w, out)
             return out
 
         return self._each(wrench, find)
@@ -219,9 +227,11 @@ class Sole(Drawn):
         It is 0 where no corner force has a positive product with the direction, a twist [linear; angular]:
         within tol [-] times max(1, its size) of a newton of normal force.
         """
+        from surefoot.contact.cones.sole_proof import resistance
+
         d = self._wrenches(direction)
         size = np.sqrt((d[:, :3] ** 2).sum(axis=1) + (d[:, 3:] ** 2).sum(axis=1) * self.radius**2)
-        over = self._resistance(d).max(axis=1)
+        over = resistance(self, d).max(axis=1)
         return np.asarray(
             np.where(over <= tol * np.maximum(1.0, size), 0.0, np.inf).reshape(np.shape(direction)[:-1])
         )
@@ -231,31 +241,9 @@ class Sole(Drawn):
 
         Proofs are checked here from the corners alone, within tol [-] times max(1 N, the wrench's size).
         """
-        from surefoot.contact.cones.sole_answers import SoleVerdict
+        from surefoot.contact.cones.sole_proof import verdict_on
 
-        w = finite_array("wrench", wrench, (6,))
-        found, twist, numbers_ = np.empty((len(self.corners), 4)), np.empty(6), self._data[0]
-        need = self._kernels.certify(*self._data, w, found, twist)
-        margin = float(w[2] - need)
-        x, y = numbers_[:2]
-        size = float(np.linalg.norm(self._count_moments(w)))
-        slack = tol * max(1.0, size)
-        if margin >= -slack and math.isfinite(need):
-            found[:, 2] += max(margin, 0.0) / len(found)
-            left = self._sum(found) - w
-            friction = np.hypot(np.hypot(found[:, 0], found[:, 1]), self._over_radius(found[:, 3]))
-            short = (friction - self.mu * found[:, 2]).sum(where=friction > self.mu * found[:, 2])
-            if np.linalg.norm(self._count_moments(left)) <= 2.0 * slack and short <= self.mu * slack + slack:
-                return SoleVerdict(True, margin, found[:, :3], found[:, 3])
-            return SoleVerdict(None, margin)
-        if not math.isfinite(need):
-            twist = self._sliding(w)
-        # moments about the centre to moments about the frame's origin
-        twist[:3] -= np.cross(twist[3:], [x, y, 0.0])
-        over = float(self._resistance(-twist[None]).max())
-        if over <= 1e-12 * max(1.0, float(np.abs(twist).max())) and float(twist @ w) < 0.0:
-            return SoleVerdict(False, margin, twist=-twist)
-        return SoleVerdict(None, margin)
+        return verdict_on(self, self._data, finite_array("wrench", wrench, (6,)), tol)
 
     def polyhedral(self, facets: int = 8, fit: Fit = "inner") -> SolePolyhedron:
         """Return the sum of the corners' friction pyramids, inside or around this cone, as named rows.
@@ -304,6 +292,10 @@ class Sole(Drawn):
     def _needs(self, w: FloatArray) -> tuple[FloatArray, FloatArray]:
         needs, shares = np.empty(len(w)), np.empty((len(w), 3))
         self._kernels.measure(*self._data, w, needs, shares)
+        if np.isnan(needs).any():
+            from surefoot.contact.cones.sole_proof import measure_in_digits
+
+            measure_in_digits(self, self._data, w, needs, shares)
         return needs, shares
 
     def _each(self, wrench: ArrayLike, question: Callable[[FloatArray], FloatArray]) -> FloatArray:
@@ -316,43 +308,15 @@ class Sole(Drawn):
             raise ProblemError(f"expected wrenches of shape (..., 6), got {w.shape}")
         return w.reshape(-1, 6)
 
-    def _count_moments(self, w: FloatArray) -> FloatArray:
-        """Return a wrench (6,) with moments about the centre and over the radius [N]."""
-        x, y, length = self._data[0][:3]
-        return np.concatenate([w[:3], (w[3:] - np.cross([x, y, 0.0], w[:3])) / length])
-
-    def _over_radius(self, moments: FloatArray) -> FloatArray:
-        return moments / self.torsional_radius if self.torsional_radius > 0.0 else moments
-
-    def _sum(self, found: FloatArray) -> FloatArray:
-        """Return the wrench (6,) of corner forces and pad moments (k, 4)."""
-        arms = np.column_stack([self.corners, np.zeros(len(self.corners))])
-        moment = np.cross(arms, found[:, :3]).sum(axis=0)
-        moment[2] += found[:, 3].sum()
-        return np.concatenate([found[:, :3].sum(axis=0), moment])
-
-    def _resistance(self, d: FloatArray) -> FloatArray:
-        """Return the largest product of twists (n, 6) with what a newton at each corner gives: (n, k)."""
-        x, y = self.corners.T
-        normal = d[:, 2:3] + d[:, 3:4] * y - d[:, 4:5] * x
-        slide = np.hypot(d[:, 0:1] - d[:, 5:6] * y, d[:, 1:2] + d[:, 5:6] * x)
-        return np.asarray(normal + self.mu * np.hypot(slide, self.torsional_radius * d[:, 5:6]))
-
-    def _sliding(self, w: FloatArray) -> FloatArray:
-        """Return minus a twist about the centre that feeds on w (6,) and that no normal force resists."""
-        counted = self._count_moments(w)
-        twist = np.zeros(6)
-        twist[[0, 1]], twist[5] = -counted[[0, 1]], -counted[5] / self.radius
-        return twist
-
     def _project_frictionless(self, w: FloatArray) -> FloatArray:
         """Return the nearest wrenches of normal forces at the corners alone."""
         from surefoot.contact.cones.nearest import nearest_in_cone
+        from surefoot.contact.cones.sole_proof import count_moments
 
         x, y, length = self._data[0][:3]
         table = self._data[1]
         rays = np.column_stack([np.ones(len(table)), table[:, 2:4]])
-        about = np.array([self._count_moments(one) for one in w]).reshape(-1, 6)
+        about = np.array([count_moments(self, one) for one in w]).reshape(-1, 6)
         near = np.full((len(w), 3), np.nan)
         finite = np.isfinite(about).all(axis=1)
         near[finite] = nearest_in_cone(rays, about[finite][:, 2:5])

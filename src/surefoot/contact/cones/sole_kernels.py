@@ -11,20 +11,28 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import numpy.typing as npt
 
-from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.arrays import FloatArray
 from surefoot.base.kernels import inline_kernel, kernel
-from surefoot.contact.cones.sole_program import INSIDE, OUTSIDE, STALLED, WORK, X, nearest, need
+from surefoot.contact.cones.sole_bounds import INSIDE, SOLVED, STALLED, nearest, need
+from surefoot.contact.cones.sole_program import WORK, X
 
 CENTRE_X, CENTRE_Y, LENGTH, RADIUS, MU = 0, 1, 2, 3, 4
 FINEST = 1e-13
 """Relative change of a friction coefficient at which its search ends [-]: rounding."""
 SEARCHES = 60
 """Newton steps of that search at most [-]: 4 to 8 are usual."""
+NEAR = 1e-11
+"""Normal force that may be missing where that search ends [-], as a share of the wrench's: rounding."""
+NO, YES, UNSURE = 0, 1, 2
+"""What `hold` says of a wrench; the first two are those of a boolean."""
+
+FlagArray = npt.NDArray[np.int8]
 
 
 @inline_kernel
-def _normalise(numbers: FloatArray, w: FloatArray, W: FloatArray) -> tuple[float, float]:
+def normalise(numbers: FloatArray, w: FloatArray, W: FloatArray) -> tuple[float, float]:
     """Set W (6,) to (t / mu, m_x, m_y, m_z / mu, 0) about the centre, of norm one; return its norm and size.
 
     Norm and size (that of the whole wrench) are in newtons; both are NaN for a wrench that is not finite.
@@ -83,37 +91,42 @@ def _least(numbers: FloatArray, edges: FloatArray, W: FloatArray) -> float:
 def _holds(
     numbers: FloatArray, table: FloatArray, start: FloatArray, edges: FloatArray, w: FloatArray, tol: float,
     W: FloatArray, v: FloatArray, work: FloatArray, space: FloatArray,
-) -> bool:  # fmt: skip
+) -> int:  # fmt: skip
     """Return whether a wrench holds with `tol` max(1 N, its size) more normal force at the centre."""
-    norm, size = _normalise(numbers, w, W)
+    norm, size = normalise(numbers, w, W)
     if not norm < math.inf:
-        return False
+        return NO
     slack = tol * max(1.0, size)
     force = w[2] + slack
     if norm == 0.0 or force < 0.0:
-        return bool(force >= 0.0)
+        return YES if force >= 0.0 else NO
     if numbers[MU] == 0.0:
         friction = norm * math.sqrt(W[0] * W[0] + W[1] * W[1] + W[4] * W[4])
-        return friction <= slack and norm * _edge_need(edges, W) <= force
+        return YES if friction <= slack and norm * _edge_need(edges, W) <= force else NO
     level = force / norm
     if _least(numbers, edges, W) > level:
-        return False
+        return NO
     outcome, low, high = need(table, start, numbers[RADIUS], W, level, v, work, space)
-    if outcome == INSIDE:
-        return True
-    return outcome != OUTSIDE and outcome != STALLED and 0.5 * (low + high) <= level
+    if outcome == STALLED:
+        return UNSURE
+    return YES if outcome == INSIDE or (outcome == SOLVED and 0.5 * (low + high) <= level) else NO
 
 
 @kernel
 def hold(
     numbers: FloatArray, table: FloatArray, start: FloatArray, edges: FloatArray, wrenches: FloatArray,
-    tol: float, out: BoolArray,
-) -> None:  # fmt: skip
-    """Fill out (T,) with whether wrenches (T, 6) are in the sole's cone; see `_holds`."""
-    W, v = np.empty(6), np.empty(6)
-    work, space = np.empty((table.shape[0], WORK)), np.empty((8, 6))
+    tol: float, out: FlagArray,
+) -> int:  # fmt: skip
+    """Fill out (T,) with `YES` where wrenches (T, 6) are in the sole's cone, see `_holds`, else with `NO`.
+
+    Return how many are `UNSURE`: too near to the border for doubles.
+    """
+    W, v, unsure = np.empty(6), np.empty(6), 0
+    work, space = np.empty((table.shape[0], WORK)), np.empty((9, 6))
     for t in range(wrenches.shape[0]):
         out[t] = _holds(numbers, table, start, edges, wrenches[t], tol, W, v, work, space)
+        unsure += out[t] == UNSURE
+    return unsure
 
 
 @inline_kernel
@@ -145,12 +158,13 @@ def measure(
     """Fill needs (T,) with the least normal forces [N] of wrenches (T, 6), and shares (T, 3) of them.
 
     N is homogeneous, so that it is the sum of what friction (f_x, f_y), the edge (m_x, m_y) and yaw (m_z)
-    take each: Euler's theorem. NaN for wrenches that are not finite; infinity for what no normal force gives.
+    take each: Euler's theorem. NaN for wrenches that are not finite, and where doubles do not settle it;
+    infinity for what no normal force gives.
     """
     W, v = np.empty(6), np.empty(6)
-    work, space = np.empty((table.shape[0], WORK)), np.empty((8, 6))
+    work, space = np.empty((table.shape[0], WORK)), np.empty((9, 6))
     for t in range(wrenches.shape[0]):
-        norm, _ = _normalise(numbers, wrenches[t], W)
+        norm, _ = normalise(numbers, wrenches[t], W)
         for j in range(3):
             shares[t, j] = 0.0
         needs[t] = norm
@@ -161,6 +175,22 @@ def measure(
         shares[t, 0] = -norm * (v[0] * W[0] + v[1] * W[1])
         shares[t, 1] = -norm * (v[2] * W[2] + v[3] * W[3])
         shares[t, 2] = -norm * v[4] * W[4]
+
+
+@inline_kernel
+def proofs_of(
+    numbers: FloatArray, norm: float, work: FloatArray, at: int, y: FloatArray, forces: FloatArray,
+    v: FloatArray,
+) -> None:  # fmt: skip
+    """Set forces (k, 4) and v (6,) of `certify` from those of the program, work[:, at : at + 4] and y."""
+    mu, length = numbers[MU], numbers[LENGTH]
+    for i in range(forces.shape[0]):
+        forces[i, 0], forces[i, 1] = norm * mu * work[i, at + 1], norm * mu * work[i, at + 2]
+        forces[i, 2] = norm * work[i, at]
+        forces[i, 3] = norm * mu * numbers[RADIUS] * length * work[i, at + 3]
+    friction = mu if mu > 0.0 else 1.0
+    v[0], v[1], v[2], v[5] = y[0] / friction, y[1] / friction, 1.0, y[4] / (friction * length)
+    v[3], v[4] = y[2] / length, y[3] / length
 
 
 @kernel
@@ -175,22 +205,15 @@ def certify(
     zero with what any corner gives.
     """
     W, y = np.empty(6), np.empty(6)
-    work, space = np.zeros((table.shape[0], WORK)), np.empty((8, 6))
-    norm, _ = _normalise(numbers, w, W)
+    work, space = np.zeros((table.shape[0], WORK)), np.empty((9, 6))
+    norm, _ = normalise(numbers, w, W)
     forces[:] = 0.0
     v[:] = 0.0
     v[2] = 1.0
     if not (0.0 < norm < math.inf):
         return norm
-    mu, length = numbers[MU], numbers[LENGTH]
     found, _ = _need_of(numbers, table, start, edges, W, y, work, space)
-    for i in range(table.shape[0]):
-        forces[i, 0], forces[i, 1] = norm * mu * work[i, X + 1], norm * mu * work[i, X + 2]
-        forces[i, 2] = norm * work[i, X]
-        forces[i, 3] = norm * mu * numbers[RADIUS] * length * work[i, X + 3]
-    friction = mu if mu > 0.0 else 1.0
-    v[0], v[1], v[5] = y[0] / friction, y[1] / friction, y[4] / (friction * length)
-    v[3], v[4] = y[2] / length, y[3] / length
+    proofs_of(numbers, norm, work, X, y, forces, v)
     return norm * found
 
 
@@ -201,7 +224,7 @@ def project(numbers: FloatArray, table: FloatArray, wrenches: FloatArray, out: F
     Moments are about the centre and counted over the length.
     """
     W, v, p = np.empty(6), np.empty(6), np.empty(6)
-    work, space = np.empty((table.shape[0], WORK)), np.empty((8, 6))
+    work, space = np.empty((table.shape[0], WORK)), np.empty((9, 6))
     x, y, length, worst = numbers[CENTRE_X], numbers[CENTRE_Y], numbers[LENGTH], 0.0
     for t in range(wrenches.shape[0]):
         w = wrenches[t]
@@ -236,16 +259,19 @@ def frictions(
 ) -> None:  # fmt: skip
     """Fill out (T,) with the least friction coefficients that hold wrenches (T, 6); infinity where none does.
 
+    NaN for wrenches that are not finite. Where doubles do not settle it, the coefficient is less than needed
+    and has a minus.
+
     With q = 1 / mu the normal force N(q) that a wrench takes is a maximum of straight lines, convex and
     rising: Newton's method on N(q) = f_z falls to its root from above. A root is sought from the friction
     that sliding and yaw need alone.
     """
     W, v, Q = np.empty(6), np.empty(6), np.empty(6)
-    work, space = np.empty((table.shape[0], WORK)), np.empty((8, 6))
+    work, space = np.empty((table.shape[0], WORK)), np.empty((9, 6))
     one = numbers.copy()
     one[MU] = 1.0
     for t in range(wrenches.shape[0]):
-        norm, _ = _normalise(one, wrenches[t], W)
+        norm, _ = normalise(one, wrenches[t], W)
         force = wrenches[t, 2]
         if not norm < math.inf:
             out[t] = math.nan
@@ -262,7 +288,7 @@ def frictions(
         if friction == 0.0:
             out[t] = 0.0
             continue
-        q, found = level / friction, False
+        q, settled = level / friction, False
         for _ in range(SEARCHES):
             top = 0.0
             Q[0], Q[1], Q[2], Q[3], Q[4], Q[5] = q * W[0], q * W[1], W[2], W[3], q * W[4], 0.0
@@ -271,17 +297,20 @@ def frictions(
             top = math.sqrt(top)
             for j in range(5):
                 Q[j] /= top
-            outcome, low, high = need(table, start, one[RADIUS], Q, math.nan, v, work, space)
-            if outcome == STALLED:
-                break
-            # N = slope q + rest of the velocity that proves it
+            outcome, low, _ = need(table, start, one[RADIUS], Q, math.nan, v, work, space)
+            # N >= slope q + rest for the velocity that proves the bound from below, whatever q is
             slope = -(v[0] * W[0] + v[1] * W[1] + v[4] * W[4])
-            over = top * 0.5 * (low + high) - level
-            if not slope > 0.0:
+            over = top * low - level
+            if not (over > NEAR * level and slope > 0.0):
+                settled = outcome != STALLED and over <= NEAR * level
                 break
             less = q - over / slope
-            found = abs(less - q) <= FINEST * q or over <= 1e-11 * level
-            q = min(q, less)
-            if found or not q > 0.0:
+            done = q - less <= FINEST * q
+            q = less
+            if done or not q > 0.0:
+                settled = outcome != STALLED
                 break
-        out[t] = 1.0 / q if q > 0.0 and found else (math.nan if q > 0.0 else math.inf)
+        if not q > 0.0:
+            out[t] = math.inf
+        else:
+            out[t] = 1.0 / q if settled else -1.0 / q

@@ -22,31 +22,24 @@ from __future__ import annotations
 import math
 
 from surefoot.base.arrays import FloatArray
-from surefoot.base.kernels import inline_kernel, kernel
+from surefoot.base.kernels import inline_kernel
 from surefoot.base.numerics.small_ldl import factor, solve_factored
 
-GAP, ENOUGH = 1e-12, 1e-8
-"""Gaps between the two certificates, as shares of the wrench: one at which the program is solved, near
-rounding,
-and one that counts as solved where rounding stops the steps; 1e-9 and more were seen in 1 of 1,000."""
-MOST_STEPS = 60
-"""Newton steps at most [-]: 7 to 12 are usual."""
 NEARLY_ALL = 0.99
 """Share of the way to the border that a step goes [-]: the customary 0.99 and more of interior points."""
-INSIDE, OUTSIDE, SOLVED, STALLED = 0, 1, 2, 3
-"""Outcomes: forces within the level, a velocity that proves there are none, the gap closed, none of these."""
 
 # columns of a corner's row in the table
 QX, QY, LX, LY = 0, 1, 2, 3
-# columns of a corner's row in the work: x, s, steps of both, the scaling point, 1 / beta, and the corrector
-X, S, DX, DS, POINT, BETA, RIGHT, DET_X, DET_S, WORK = 0, 4, 8, 12, 16, 20, 21, 25, 26, 27
+# columns of a corner's row in the work: x, s, steps of both, the scaling point, 1 / beta, the corrector,
+# and an x set aside
+X, S, DX, DS, POINT, BETA, RIGHT, DET_X, DET_S, KEPT, WORK = 0, 4, 8, 12, 16, 20, 21, 25, 26, 27, 31
 
 
 @inline_kernel
-def _see(
+def see(
     table: FloatArray, i: int, mu: float, radius: float, v: FloatArray, work: FloatArray, at: int
 ) -> None:
-    """Set work[i, at : at + 4] to C v, with `free` times v[5] for the normal."""
+    """Set work[i, at : at + 4] to C v for a velocity v (6,)."""
     work[i, at] = v[5] + table[i, LX] * v[2] + table[i, LY] * v[3]
     work[i, at + 1] = mu * (v[0] - table[i, QY] * v[4])
     work[i, at + 2] = mu * (v[1] + table[i, QX] * v[4])
@@ -54,7 +47,7 @@ def _see(
 
 
 @inline_kernel
-def _give(
+def give(
     table: FloatArray, i: int, mu: float, radius: float, work: FloatArray, at: int, out: FloatArray
 ) -> None:
     """Add C^T work[i, at : at + 4] to out (6,)."""
@@ -230,7 +223,7 @@ def _corrector(work: FloatArray, i: int, centre: float) -> None:
 
 
 @inline_kernel
-def _rest(
+def rest_of(
     table: FloatArray, mu: float, radius: float, delta: float, W: FloatArray, v: FloatArray, work: FloatArray,
     rest: FloatArray,
 ) -> None:  # fmt: skip
@@ -238,7 +231,7 @@ def _rest(
     for j in range(6):
         rest[j] = -W[j] - delta * v[j]
     for i in range(table.shape[0]):
-        _give(table, i, mu, radius, work, X, rest)
+        give(table, i, mu, radius, work, X, rest)
 
 
 @inline_kernel
@@ -252,7 +245,7 @@ def advance(
     """
     k, delta = table.shape[0], 1.0 if n == 6 else 0.0
     H, rest, y = space[:6], space[6], space[7]
-    _rest(table, mu, radius, delta, W, v, work, rest)
+    rest_of(table, mu, radius, delta, W, v, work, rest)
     for i in range(n):
         for j in range(i + 1):
             H[i, j] = 0.0
@@ -280,8 +273,29 @@ def advance(
     for i in range(k):
         for j in range(4):
             work[i, X + j] += step * work[i, DX + j]
-        _see(table, i, mu, radius, v, work, S)
+        see(table, i, mu, radius, v, work, S)
     return True
+
+
+@inline_kernel
+def lacking(start: FloatArray, rest: FloatArray, k: int) -> float:
+    """Return a total normal force that brings the least corner forces for -rest (5,) into their cones.
+
+    `rest` is what forces give beyond a wrench, which so much more of an even pressure gives exactly.
+    """
+    short = 0.0
+    for i in range(k):
+        total = 0.0
+        for j in range(5):
+            total += start[i, 0, j] * rest[j]
+        side = 0.0
+        for n in range(1, 4):
+            part = 0.0
+            for j in range(5):
+                part += start[i, n, j] * rest[j]
+            side += part * part
+        short = max(short, math.sqrt(side) + total)
+    return float(k * short)
 
 
 @inline_kernel
@@ -314,79 +328,3 @@ def begin(
             work[i, S + j] = 0.0
         work[i, S] = 1.0
     return float(k * short)
-
-
-@kernel
-def need(
-    table: FloatArray, start: FloatArray, radius: float, W: FloatArray, level: float, v: FloatArray,
-    work: FloatArray, space: FloatArray,
-) -> tuple[int, float, float]:  # fmt: skip
-    """Bound the least total normal force for W[:5], W (6,) of norm one, from both sides.
-
-    Returns
-    -------
-    tuple[int, float, float]
-        The outcome, and bounds from below (v is its proof) and above (the forces in `work` are): OUTSIDE or
-        INSIDE as soon as one of them is beyond `level`; NaN as level goes on to `SOLVED`.
-    """
-    k = table.shape[0]
-    enough = begin(table, start, 1.0, radius, W, v, work)
-    if enough <= level:
-        return INSIDE, 0.0, enough
-    last = 1e300
-    for _ in range(MOST_STEPS):
-        low, high = 0.0, 0.0
-        for j in range(5):
-            low -= W[j] * v[j]
-        for i in range(k):
-            high += work[i, X]
-        if high <= level:
-            return INSIDE, low, high
-        if low > level:
-            return OUTSIDE, low, high
-        gap = high - low
-        if gap <= GAP or (gap < 1e-9 and gap > 0.5 * last):
-            return SOLVED, low, high
-        last = gap
-        if not advance(table, 1.0, radius, 5, W, v, work, space):
-            break
-    return (SOLVED if last < ENOUGH else STALLED), low, high
-
-
-@kernel
-def nearest(
-    table: FloatArray, mu: float, radius: float, W: FloatArray, v: FloatArray, work: FloatArray,
-    space: FloatArray, out: FloatArray,
-) -> float:  # fmt: skip
-    """Set out (6,) to the wrench of the cone that is nearest to W, of norm one; return the gap that is left.
-
-    ||out - nearest||² <= twice the gap: the program is strongly convex.
-    """
-    k = table.shape[0]
-    # an equal pressure that is large beside the wrench, and v = what it lacks: feasible on both sides
-    press = 4.0 * (1.0 + mu * (1.0 + radius))
-    for j in range(6):
-        v[j] = -W[j]
-    v[5] += press
-    for i in range(k):
-        for j in range(4):
-            work[i, X + j] = 0.0
-        work[i, X] = press / k
-        _see(table, i, mu, radius, v, work, S)
-    last = 1e300
-    for _ in range(MOST_STEPS):
-        gap = 0.0
-        for i in range(k):
-            for j in range(4):
-                gap += work[i, X + j] * work[i, S + j]
-        if gap <= GAP * GAP or (gap < GAP and gap > 0.5 * last):
-            last = gap
-            break
-        last = gap
-        if not advance(table, mu, radius, 6, W, v, work, space):
-            break
-    for j in range(6):
-        out[j] = 0.0
-    for i in range(k):
-        _give(table, i, mu, radius, work, X, out)
-    return last

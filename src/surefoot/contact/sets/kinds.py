@@ -182,13 +182,13 @@ class Rolling(ContactKind):
 
 
 @dataclass(frozen=True)
-class Patch(ContactKind):
-    """Wrenches [force; moment] about the centre of a sole of length x width, z its normal.
+class DecoupledSole(ContactKind):
+    """Wrenches [force; moment] about the centre of a sole of length x width, z its normal, limit by limit.
 
     The friction cone ||(f_x, f_y)|| <= mu f_z, the centre of pressure within the sole, |m_x| <= f_z width / 2
     and |m_y| <= f_z length / 2, and the yaw moment |m_z| <= torsion f_z: six determined numbers where four
     corners have twelve. Cone and centre of pressure are exact; the yaw moment has its own limit, and does not
-    know that friction used up in sliding is missing for it.
+    know that friction used up in sliding is missing for it. The exact set of a foot is `sf.Sole`.
 
     The centre of pressure is unilateral contact, not friction: with Γ left out, λ ⟂ u says that no corner
     approaches and that corners which lift carry nothing. Friction dissipates the most it can, f_t · u_t = -mu
@@ -211,7 +211,7 @@ class Patch(ContactKind):
     --------
     Pressed at the toe with more than the sole's half length:
 
-    >>> Patch(mu=0.6, length=0.2, width=0.1, torsion=0.02).support([0.0, 0.0, -0.1, 0.0, 1.0, 0.0])
+    >>> DecoupledSole(mu=0.6, length=0.2, width=0.1, torsion=0.02).support([0.0, 0.0, -0.1, 0.0, 1.0, 0.0])
     0.0
     """
 

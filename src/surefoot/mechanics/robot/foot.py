@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
+from surefoot.contact import Sole
 from surefoot.mechanics.robot.catalog import CatalogEntry
+from surefoot.mechanics.robot.outlines import area_of, centroid_of, hull_of, inner_rectangle
 
+EXACT = 1e-6
+"""Share by which a sole's area may be more than that of the rectangle in it to be one [-]: rounding."""
 DEFAULT_RADIUS = 0.02
 """Radius of a foot whose file gives it no shape [m]."""
 
@@ -27,8 +32,8 @@ class Foot:
     frame
         Pinocchio's index of the frame.
     centres
-        (k, 3) centres of its contact spheres in the foot's frame [m]: one for a point foot, four
-        corners for a flat one.
+        (k, 3) centres of its contact spheres in the foot's frame [m]: one for a point foot, three to eight
+        corners of a convex polygon for a flat one.
     radius
         Radius of the spheres [m].
     why
@@ -48,18 +53,23 @@ class Foot:
 
     @property
     def centre(self) -> FloatArray:
-        """(3,) centre of the contact (of the sole's rectangle, for a flat foot) in the foot's frame [m]."""
+        """(3,) centre of the contact in the foot's frame [m].
+
+        Of a sole with a corner in each quadrant it is the middle of `size`, of others the centre of its area.
+        """
         if not self.flat:
             return np.array(self.centres[0])
-        low, high = self._rectangle()
-        return np.array([*(0.5 * (low + high)), float(np.mean(self.centres[:, 2]))])
+        xy = self.centres[:, :2]
+        low, high = self._rectangle
+        middle = 0.5 * (low + high) if _in_quadrants(xy) else centroid_of(hull_of(xy))
+        return np.array([*middle, float(np.mean(self.centres[:, 2]))])
 
     @property
     def size(self) -> tuple[float, float]:
-        """Full length and width of the sole along the foot's x and y axes [m]; zeros for a point foot."""
+        """Length and width along the foot's x and y axes [m] of a rectangle in its sole; zeros for points."""
         if not self.flat:
             return 0.0, 0.0
-        low, high = self._rectangle()
+        low, high = self._rectangle
         return float(high[0] - low[0]), float(high[1] - low[1])
 
     @property
@@ -70,16 +80,32 @@ class Foot:
         length, width = (1e3 * (part + 2.0 * self.radius) for part in self.size)
         return f"a sole of {length:.0f} x {width:.0f} mm"
 
-    def _rectangle(self) -> tuple[FloatArray, FloatArray]:
-        """Return the corners of the largest rectangle that the four sphere centres hold, about their middle.
+    @cached_property
+    def corners(self) -> FloatArray:
+        """(k, 2) corners of the sole from `centre`, along the foot's x and y axes [m]; none for a point."""
+        return hull_of(self.centres[:, :2]) - self.centre[:2] if self.flat else np.zeros((0, 2))
 
-        Soles are rarely exact rectangles; what lies inside all four corners is surely sole.
-        """
+    def sole(self, mu: float) -> Sole:
+        """Return the sole about `centre`: the convex polygon of the sphere centres, with a friction [-]."""
+        length, width = self.size
+        rectangle = len(self.corners) == 4 and area_of(self.corners) <= length * width * (1.0 + EXACT)
+        return Sole(length, width, mu) if rectangle else Sole.of_corners(self.corners, mu)
+
+    @cached_property
+    def _rectangle(self) -> tuple[FloatArray, FloatArray]:
+        """Corners of the largest rectangle in the sole; of four spheres, the one in their quadrants."""
         xy = self.centres[:, :2]
-        middle = xy.mean(axis=0)
-        left, right = xy[xy[:, 0] < middle[0], 0].max(), xy[xy[:, 0] >= middle[0], 0].min()
-        down, up = xy[xy[:, 1] < middle[1], 1].max(), xy[xy[:, 1] >= middle[1], 1].min()
-        return np.array([left, down]), np.array([right, up])
+        if not _in_quadrants(xy):
+            return inner_rectangle(hull_of(xy))
+        left, down = (xy < xy.mean(axis=0)).T
+        low = np.array([xy[left, 0].max(), xy[down, 1].max()])
+        return low, np.array([xy[~left, 0].min(), xy[~down, 1].min()])
+
+
+def _in_quadrants(xy: FloatArray) -> bool:
+    """Return whether (k, 2) points are four, one in each quadrant about their mean."""
+    left, down = (xy < xy.mean(axis=0)).T
+    return len(xy) == 4 and len({*zip(left.tolist(), down.tolist(), strict=True)}) == 4
 
 
 def frame_names(feet: str | Sequence[str] | None) -> Sequence[str] | None:

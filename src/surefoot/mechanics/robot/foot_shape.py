@@ -10,7 +10,15 @@ import numpy as np
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.mechanics.robot.catalog import EDGE
 from surefoot.mechanics.robot.foot_parts import FootPart, describe, disc_points
-from surefoot.mechanics.robot.outlines import area_of, cut_of, hull_of, inner_rectangle, turned_rectangle
+from surefoot.mechanics.robot.outlines import (
+    area_of,
+    cut_of,
+    few_corners,
+    hull_of,
+    inner_rectangle,
+    moved_in,
+    turned_rectangle,
+)
 
 BAND = 5e-3
 """What lies this near to the lowest plane of a foot touches the ground [m]."""
@@ -28,6 +36,10 @@ WELL_EXPLAINED, CLEARLY = 0.8, 1.25
 """A level contact that explains the first share is right; one at a slant has to be better by the second."""
 AS_GOOD = 0.85
 """Share of the largest rectangle that one along the frame's axes must have to be taken."""
+MOST_CORNERS, CUT_OFF = 8, 0.02
+"""Most corners of a sole, and share of its area that fewer of them may cut off [-]: they are rounding."""
+SHARP_EDGE = 2e-3
+"""Radius of the corners of a polygon [m]: at an acute one the foot ends several times that before its tip."""
 ROUND_FIT, LARGEST_BALL = 0.1, 0.08
 """Most misfit of a ball to the lower end of a mesh, in radii, and its largest radius [m]."""
 
@@ -199,13 +211,16 @@ def _round_sole(scene: _Scene) -> FootShapeReading | None:
         low, high = _inside(points)
         words = f"a sole of {_mm(high - low)}, {words}"
         return scene.sole(0.0, points, r, scene.share(whole, SHADOW), words)
-    turn = _turn(hull)
-    _, low, high = turned_rectangle(hull, turn)
+    turn, height = _turn(hull), float(lowered[:, 2].min())
+    area, low, high = turned_rectangle(hull, turn)
+    if area < WELL_EXPLAINED * area_of(hull):
+        corners = few_corners(hull, MOST_CORNERS, CUT_OFF)
+        words = f"{_polygon(corners)}, {words}"
+        share = scene.share(whole * area_of(corners) / area_of(hull), SHADOW)
+        return scene.sole(0.0, _at_height(corners, height), r, share, words)
     area = float(np.prod(high - low + 2.0 * r))
     words = f"a sole of {_mm(high - low)}, the rectangle {words}"
-    return scene.sole(
-        turn, _corners(low, high, float(lowered[:, 2].min())), r, scene.share(area, SHADOW), words
-    )
+    return scene.sole(turn, _corners(low, high, height), r, scene.share(area, SHADOW), words)
 
 
 def _sharp(scene: _Scene) -> FootShapeReading:
@@ -225,6 +240,11 @@ def _sharp(scene: _Scene) -> FootShapeReading:
         return _line(scene, hull, scene.low + EDGE, EDGE, share, part)
     turn = _turn(hull)
     area, low, high = turned_rectangle(hull, turn)
+    if area < WELL_EXPLAINED * area_of(hull):
+        corners = few_corners(hull, MOST_CORNERS, CUT_OFF)
+        words, share = f"{_polygon(corners)}: {part}", scene.share(area_of(corners), SHADOW)
+        corners = moved_in(corners, SHARP_EDGE)
+        return scene.sole(0.0, _at_height(corners, scene.low + SHARP_EDGE), SHARP_EDGE, share, words)
     edge = min(EDGE, 0.25 * float((high - low).min()))
     words = f"a sole of {_mm(high - low)}: the rectangle inside {part}"
     centres = _corners(low + edge, high - edge, scene.low + edge)
@@ -328,6 +348,16 @@ def _corners(low: FloatArray, high: FloatArray, height: float) -> FloatArray:
     """Return the corners of a rectangle at a height: (4, 3), front left first and clockwise."""
     (x0, y0), (x1, y1) = low, high
     return np.array([[x1, y1, height], [x1, y0, height], [x0, y0, height], [x0, y1, height]])
+
+
+def _at_height(corners: FloatArray, height: float) -> FloatArray:
+    """Return corners (k, 2) at a height: (k, 3)."""
+    return np.column_stack([corners, np.full(len(corners), height)])
+
+
+def _polygon(corners: FloatArray) -> str:
+    """Return a convex polygon in words: its corners and how far they reach along the axes."""
+    return f"a sole of {len(corners)} corners, {_mm(np.ptp(corners, axis=0))}"
 
 
 def _mm(size: FloatArray) -> str:

@@ -28,6 +28,38 @@ def hull_of(points: FloatArray) -> FloatArray:
         return ends
 
 
+def few_corners(hull: FloatArray, most: int, lost: float) -> FloatArray:
+    """Return (k, 2) of the corners of a hull, around it: those whose polygon is nearly as large.
+
+    One after the other the corner with the smallest triangle is left out, while more than `most` are left or
+    all that are out make less than the share `lost` of the area; the polygon is inside the hull.
+    """
+    kept, area, out = hull, area_of(hull), 0.0
+    while len(kept) > 3:
+        before, after = np.roll(kept, 1, axis=0) - kept, np.roll(kept, -1, axis=0) - kept
+        sizes = 0.5 * np.abs(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0])
+        least = int(np.argmin(sizes))
+        out += float(sizes[least])
+        if len(kept) <= most and out > lost * area:
+            break
+        kept = np.delete(kept, least, axis=0)
+    return kept
+
+
+def moved_in(corners: FloatArray, distance: float) -> FloatArray:
+    """Return the corners (k, 2) of a convex polygon whose edges are moved inwards by a distance [m].
+
+    Edges that vanish on the way are left out; the polygon has to be wider than that.
+    """
+    from scipy.spatial import ConvexHull, HalfspaceIntersection
+
+    hull = ConvexHull(corners)
+    rows = hull.equations + np.array([0.0, 0.0, distance])
+    middle = corners[hull.vertices].mean(axis=0)
+    points = HalfspaceIntersection(rows, middle).intersections
+    return hull_of(np.unique(np.round(points, 9), axis=0))
+
+
 def cut_of(points: FloatArray, height: float) -> FloatArray:
     """Return where the edges of the hull of (k, 3) points go through a height: (m, 2), none for flat ones."""
     from scipy.spatial import ConvexHull, QhullError
@@ -48,6 +80,15 @@ def area_of(corners: FloatArray) -> float:
     """Return the area inside (k, 2) corners around an outline [m²]."""
     x, y = (corners - corners.mean(axis=0)).T
     return 0.5 * float(abs(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)))
+
+
+def centroid_of(corners: FloatArray) -> FloatArray:
+    """Return the centre (2,) of the area inside (k, 2) corners around an outline [m]."""
+    middle = corners.mean(axis=0)
+    a = corners - middle
+    b = np.roll(a, -1, axis=0)
+    twice = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    return np.asarray(middle + twice @ (a + b) / (3.0 * twice.sum()))
 
 
 def inner_rectangle(corners: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -15,7 +15,6 @@ from surefoot.base.arrays import FloatArray, finite_array, of_kind, per_contact
 from surefoot.base.drawn import Drawn
 from surefoot.base.errors import ModelError, ProblemError, unknown_name
 from surefoot.base.libraries import import_pinocchio
-from surefoot.contact import Sole
 from surefoot.mechanics.robot import catalog
 from surefoot.mechanics.robot.contact_points import ContactPoints, contact_points
 from surefoot.mechanics.robot.foot import Foot, frame_names
@@ -239,7 +238,7 @@ class Robot(Drawn, ShapesOfFile):
             point = place - foot.radius * normal
             shared = (foot.name, normal_min, normal_max)
             if foot.flat:  # its toes say where the sole's x axis points
-                sole = Sole(foot.size[0], foot.size[1], float(friction))
+                sole = foot.sole(float(friction))
                 contacts.append(SoleContact(point, sole, normal, *shared, pose.rotation[:, 0]))
             else:
                 contacts.append(PointContact(point, normal, float(friction), *shared))

@@ -15,7 +15,7 @@ Direction = list[Annotated[float, Field(ge=-LARGEST, le=LARGEST), YAML]]
 
 @with_config(FILE)
 class ContactKeys(TypedDict, total=False):
-    """A point, or a sole if it has a length and a width."""
+    """A point, or a sole if it has a length and a width, or corners."""
 
     name: Name
     position: Required[list[Number]]
@@ -26,6 +26,7 @@ class ContactKeys(TypedDict, total=False):
     normal_max: AnyNumber
     length: Number
     width: Number
+    corners: list[list[Number]]
 
 
 @with_config(FILE)

@@ -79,6 +79,13 @@ def _contact(number: int, given: ContactKeys, mu: float) -> Contact:
     options: dict[str, Any] = {"mu": mu, "name": f"[{number}]", **given}
     sizes = [key for key in ("length", "width") if key in given]
     with located(f"contacts[{number}]"):
+        if "corners" in given:
+            if sizes:
+                raise ProblemError(
+                    f"a sole has corners or a length and a width, got both corners and {sizes[0]}"
+                )
+            corners = finite_array("corners", options.pop("corners"), (None, 2))
+            return SoleContact(sole=Sole.of_corners(corners, options.pop("mu")), **options)
         if not sizes:
             return PointContact(**options)
         if len(sizes) == 1:

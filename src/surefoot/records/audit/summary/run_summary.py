@@ -71,6 +71,8 @@ class RunSummary:
     ----------
     robot, mass, duration
         Name, [kg], simulated time [s].
+    world
+        Where it ran, as `--world` has it: "mujoco", "rigid"; empty for a log that does not tell.
     outcome
         In a word.
     success
@@ -101,6 +103,7 @@ class RunSummary:
     robot: str
     mass: float
     duration: float
+    world: str
     outcome: str
     success: bool
     error: str
@@ -166,6 +169,7 @@ def shared_fields(
         "robot": log.fact("robot"),
         "mass": log.fact("mass"),
         "duration": duration,
+        "world": str(log.facts.get("world", "")).removesuffix("World").lower(),
         "outcome": outcome,
         "success": outcome == good,
         "error": str(log.facts.get("error", "")),
