@@ -13,6 +13,8 @@ DELAYED = 0.2
 """A robot's own loop, whose torques act a step late: still without a swing."""
 SPRUNG = 0.25
 """Springs of a prediction whose steps are as long as its knots, stiffness and damping alike."""
+POSED = 0.48
+"""Joints that hold a posture, their stiffness beside it: calm also where torques act one step late."""
 REPLAYED = 0.3
 """Feedback towards a recorded motion: small enough to leave the motion its own dynamics."""
 HELD = 0.5
@@ -27,3 +29,11 @@ def largest_damping(inertia: FloatArray, dt: float, share: float) -> FloatArray:
     In N m s/rad for kg m², in N s/m for kg.
     """
     return share * inertia / dt
+
+
+def largest_stiffness(inertia: FloatArray, dt: float, share: float) -> FloatArray:
+    """Return the stiffness (n,) for which `largest_damping` of the same share is 0.7 of the critical one.
+
+    With k = s²/2 I/dt² and d = s I/dt the ratio d / (2 sqrt(k I)) is 1/sqrt(2).
+    """
+    return 0.5 * share**2 * inertia / dt**2

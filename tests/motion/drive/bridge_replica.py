@@ -137,7 +137,11 @@ class BridgeReplica(SilentWire):
         super().send(message)
         count = self.robot.joints
         rows = (message[name][:count].astype(float)[self._order] for name in COMMAND_FIELDS)
-        self.torques = JointTargets(*rows).torques(self._now["q"], self._now["dq"])
+        self._take(JointTargets(*rows))
+
+    def _take(self, targets: JointTargets) -> None:
+        """Turn joint targets into torques, from the angles and speeds of now."""
+        self.torques = targets.torques(self._now["q"], self._now["dq"])
 
     def receive(self, timeout: float) -> PackedMessage | None:
         """Let the time go by until it speaks."""
@@ -154,6 +158,50 @@ class BridgeReplica(SilentWire):
             return self._say()
         self.clock.now = until
         return None
+
+
+class BusyReplica(BridgeReplica):
+    """The simulator on a computer that others use: commands come late, and both sides stand still at times.
+
+    Parameters
+    ----------
+    robot, rate, seed
+        See there.
+    lag
+        The longest time from a command to its torques [s]; each takes a random share of it.
+    pauses, longest
+        How often the simulator is held up [Hz], and for how long at most [s]; the listener as often, for
+        three steps at most, in which the robot goes on under the torques that it has.
+    """
+
+    def __init__(
+        self, robot: sf.Robot, rate: float, *, seed: int = 0, lag: float = 0.0, pauses: float = 0.0,
+        longest: float = 0.0,
+    ) -> None:  # fmt: skip
+        super().__init__(robot, rate, seed=seed)
+        self.lag, self.pauses, self.longest = lag, pauses, longest
+        self._coming: list[tuple[float, JointTargets]] = []
+
+    def _take(self, targets: JointTargets) -> None:
+        due = self.clock.now + self.lag * self._random.random()
+        self._coming.append((max([due, *(time for time, _ in self._coming)]), targets))
+
+    def _step(self) -> None:
+        while self._coming and self._coming[0][0] <= self.clock.now:
+            super()._take(self._coming.pop(0)[1])
+        super()._step()
+        if self._random.random() < self.pauses * self.dt:
+            pause = self.longest * self._random.random()
+            self._next_step, self._next_word = self._next_step + pause, self._next_word + pause
+
+    def receive(self, timeout: float) -> PackedMessage | None:
+        """Let the time go by until it speaks; at times the listener is held up, and hears the last word."""
+        message = super().receive(timeout)
+        if self._random.random() < self.pauses * self.dt:
+            end = self.clock.now + 3.0 * self.dt * self._random.random()
+            while (later := super().receive(end - self.clock.now)) is not None:
+                message = later
+        return message
 
 
 LENGTH, GIVES, EASES = 1.0, 0.02, 0.05

@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
+import pinocchio
 import pytest
 
 import surefoot as sf
+from surefoot.mechanics import actuators_of
 from surefoot.motion.drive.getting_up import FALLEN, RollOver
 from surefoot.motion.drive.modes import LoopMode
-from surefoot.motion.drive.postures import BodyPostures
+from surefoot.motion.drive.postures import BodyPostures, posture_gains
 from surefoot.motion.drive.robot_loop import RobotLoop
 from surefoot.worlds.running.motor_robot import MotorRobot
 from tests.motion.drive.loop_faults import DT, GO2
@@ -110,3 +112,21 @@ def test_who_does_not_know_how() -> None:
     ):
         loop.go("stand")
     assert loop.mode is LoopMode.DAMP
+
+
+@pytest.mark.parametrize("name", ["go2", "g1", "solo12"])
+@pytest.mark.parametrize("dt", [0.002, 0.005])
+def test_gains_of_postures_shake_no_link(name: str, dt: float) -> None:
+    """Each joint alone, its torques a step late: by the poles of the discrete loop."""
+    robot = sf.load_robot(name)
+    actuators = actuators_of(robot, "real")
+    stiffness, damping = posture_gains(robot, dt, actuators)
+    mass = pinocchio.crba(robot.model, robot.model.createData(), robot.nominal)
+    mass = np.triu(mass) + np.triu(mass, 1).T
+    if actuators is not None:
+        mass[6:, 6:] += np.diag(actuators.armature)
+    for j, inverse in enumerate(np.diag(np.linalg.inv(mass))[6:]):
+        k, d = stiffness[j] * inverse * dt * dt, damping[j] * inverse * dt
+        # v' = v - k q_last - d v_last, q' = q + v' (speeds per step): (z - 1)² z + d (z - 1) + k z = 0
+        assert np.abs(np.roots([1.0, -2.0, 1.0 + d + k, -d])).max() < 0.995
+    assert stiffness.min() > 0.0

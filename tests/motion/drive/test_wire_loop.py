@@ -9,15 +9,15 @@ import pytest
 import surefoot as sf
 from surefoot.base.errors import SurefootError
 from surefoot.motion.control.controller import JointTargets
-from surefoot.motion.drive.foot_load import hangs, load_share
-from surefoot.motion.drive.readings import ReadingLimits
+from surefoot.motion.drive.foot_load import STEADY, FootLoad, hint, load_share
+from surefoot.motion.drive.readings import ReadingLimits, ReadingWatch
 from surefoot.motion.drive.robot_loop import RobotLoop
 from surefoot.motion.drive.wire.dialect import dialect_of
 from surefoot.motion.drive.wire.packed import PackedMessage
 from surefoot.motion.drive.wire.simulator import SimulatorClock, simulator_limits
 from surefoot.motion.drive.wire.survey import listen, refuse_void
 from surefoot.motion.drive.wire.wired_loop import WiredLoop
-from tests.motion.drive.bridge_replica import BridgeReplica, HungReplica, MadeUpClock, SilentWire
+from tests.motion.drive.bridge_replica import BridgeReplica, BusyReplica, HungReplica, MadeUpClock, SilentWire
 
 GO2 = sf.load_robot("go2")
 LEVEL, UP = np.array([0.0, 0.0, 0.0, 1.0]), np.array([0.0, 0.0, 9.81])
@@ -25,14 +25,14 @@ LEVEL, UP = np.array([0.0, 0.0, 0.0, 1.0]), np.array([0.0, 0.0, 9.81])
 
 def wired_to(bridge: BridgeReplica) -> WiredLoop:
     """Return a loop at the other end of a simulator, made as `surefoot drive` makes it."""
-    dialect = dialect_of(GO2, simulator=bridge.ticking)
+    dialect = dialect_of(bridge.robot, simulator=bridge.ticking)
     heard = listen(bridge, dialect, 5.0)
     refused = {} if bridge.ticking else {"checksum 0": heard.messages}
     assert (heard.simulated, heard.ticking) == (not bridge.ticking, bridge.ticking)
     assert dict(heard.refused) == refused
-    assert heard.rate == pytest.approx(1.0 / bridge.dt)
+    assert isinstance(bridge, BusyReplica) or heard.rate == pytest.approx(1.0 / bridge.dt)
     dt = 1.0 / heard.rate
-    loop = RobotLoop(GO2, dt, motors=dialect.motors, limits=simulator_limits(dt))
+    loop = RobotLoop(bridge.robot, dt, motors=dialect.motors, limits=simulator_limits(dt))
     clock = SimulatorClock(dt, heard.ticking)
     wired = WiredLoop(loop, bridge, dialect.of_simulator(), simulator=clock)
     wired.wait(5.0)
@@ -66,16 +66,54 @@ def test_a_simulated_robot_stands_walks_and_sits(
     assert z < 0.2
 
 
-@pytest.mark.parametrize("level", [True, pytest.param(False, marks=pytest.mark.long)], ids=["straps", "band"])
+BUSY = [
+    (200.0, 0),
+    *(pytest.param(rate, seed, marks=pytest.mark.long) for rate in (200.0, 500.0) for seed in range(1, 4)),
+]
+
+
+@pytest.mark.parametrize(("rate", "seed"), BUSY)
+def test_a_busy_computer_ends_no_walk(rate: float, seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Torques come up to 2.5 ms late, and the simulator stands still for up to 80 ms at times."""
+    bridge = BusyReplica(GO2, rate, seed=seed, lag=2.5e-3, pauses=3.0, longest=0.08)
+    bridge.clock.rule(monkeypatch)
+    wired = wired_to(bridge)
+    assert wired.outing([0.5, 0.0, 0.0], 5.0, "sit") == ""
+    x, _, z = bridge.world.q_v()[0][:3]
+    assert x > 2.0
+    assert z < 0.2
+
+
+def test_a_biped_whose_feet_leave_the_ground_gets_targets_still(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A step of the loop never raises, also where somebody lifts a robot that balances."""
+    robot = sf.load_robot("g1")
+    bridge = HungReplica(robot, True)
+    bridge.clock.rule(monkeypatch)
+    monkeypatch.setattr(FootLoad, "nothing", property(lambda _: False))
+    wired = wired_to(bridge)
+    balanced = []
+    wired.watch = lambda loop: balanced.append(loop.mode.value == "stand")
+    wired.outing([0.3, 0.0, 0.0], 1.0, "damp")
+    assert any(balanced)
+
+
+HUNG = [
+    ("go2", True),
+    *(pytest.param(*one, marks=pytest.mark.long) for one in (("go2", False), ("g1", True))),
+]
+
+
+@pytest.mark.parametrize(("name", "level"), HUNG)
 def test_a_robot_that_hangs_says_that_its_feet_carry_nothing(
-    level: bool, monkeypatch: pytest.MonkeyPatch
+    name: str, level: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Straps that hold its trunk level let it stretch its legs; it does not balance on air."""
-    bridge = HungReplica(GO2, level)
+    robot = sf.load_robot(name)
+    bridge = HungReplica(robot, level)
     bridge.clock.rule(monkeypatch)
     wired = wired_to(bridge)
     lowest: list[float] = []
-    wired.watch = lambda _: lowest.append(float(GO2.foot_positions(bridge.world.q_v()[0])[:, 2].min()))
+    wired.watch = lambda _: lowest.append(float(robot.foot_positions(bridge.world.q_v()[0])[:, 2].min()))
     fault = wired.outing([0.5, 0.0, 0.0], 5.0, "sit")
     assert "the feet carry nothing" in fault
     assert wired.loop.mode.value == "damp"
@@ -83,6 +121,21 @@ def test_a_robot_that_hangs_says_that_its_feet_carry_nothing(
     if level:
         assert fault.startswith("the feet carry nothing")
         assert bridge.time < 8.0
+
+
+@pytest.mark.parametrize("rate", [100.0, 200.0, 500.0])
+def test_patience_ends_in_damping_that_ends_again(rate: float) -> None:
+    """Ten steps of 5 ms add up to a little less than 50 ms: a silence of that length is no fault either."""
+    dt = 1.0 / rate
+    watch = ReadingWatch(GO2, dt, simulator_limits(dt))
+    still = np.zeros(12)
+    assert watch.look(sf.RobotReadings(0.0, LEVEL, np.zeros(3), UP, GO2.nominal[7:], still, still), 0.0)
+    count = 0
+    while not watch.blind:
+        count += 1
+        watch.look(None, count * dt)
+        assert not watch.contradictory
+    assert count * dt == pytest.approx(watch.limits.patience, abs=0.51 * dt)
 
 
 def test_what_feet_carry() -> None:
@@ -101,9 +154,16 @@ def test_what_feet_carry() -> None:
         torques = weight - rows.T @ force
         reading = sf.RobotReadings(0.0, LEVEL, np.zeros(3), UP, q[7:], still, torques)
         assert load_share(GO2, reading) == pytest.approx(share, abs=1e-3)
-        assert hangs(GO2, reading) == (share < 0.15)
-    assert not hangs(GO2, sf.RobotReadings(0.0, LEVEL, np.zeros(3), UP, q[7:], still, still))
-    assert not hangs(GO2, None)
+        load = FootLoad(GO2)
+        load.look(STEADY, reading)
+        assert load.nothing == (share < 0.15)
+        assert (hint(GO2, reading) != "") == (share < 0.5)
+        load.look(0.0, reading)  # on its way: what was is forgotten
+        assert not load.nothing
+    load.look(STEADY, sf.RobotReadings(0.0, LEVEL, np.zeros(3), UP, q[7:], still, still))
+    load.look(STEADY, None)
+    assert not load.nothing
+    assert hint(GO2, None)
 
 
 class SaysOne(SilentWire):

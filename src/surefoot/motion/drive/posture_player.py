@@ -6,10 +6,10 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.memory import Remembering
-from surefoot.mechanics import Robot
+from surefoot.mechanics import Actuators, Robot
 from surefoot.motion.control.controller import JointTargets
 from surefoot.motion.drive.getting_up import TRIES, RollOver
-from surefoot.motion.drive.postures import BodyPostures, PostureMotion
+from surefoot.motion.drive.postures import BodyPostures, PostureMotion, posture_gains
 
 SETTLE = 0.4
 """Time in a posture before what follows begins [s]."""
@@ -26,6 +26,8 @@ class PosturePlayer(Remembering):
         With a floating base.
     dt
         Time between calls of `targets` [s].
+    actuators
+        The motors; None for ideal ones.
 
     Attributes
     ----------
@@ -37,11 +39,11 @@ class PosturePlayer(Remembering):
 
     MEMORY = ("_motions", "_since", "_posed", "lying", "_tries", "_end")
 
-    def __init__(self, robot: Robot, dt: float) -> None:
-        self.postures, self.dt, self._still = BodyPostures(robot), dt, np.zeros(robot.joints)
+    def __init__(self, robot: Robot, dt: float, actuators: Actuators | None = None) -> None:
+        self.postures, self.dt = BodyPostures(robot), dt
+        self._still = np.zeros(robot.joints)
         self.roll_over, self._nominal = RollOver(robot, self.postures), robot.nominal[7:]
-        still, postures = self._still, self.postures
-        self._gains = np.full_like(still, postures.stiffness), np.full_like(still, postures.damping)
+        self._gains = posture_gains(robot, dt, actuators)
         self.reset()
 
     def reset(self) -> None:

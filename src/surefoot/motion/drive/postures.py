@@ -13,8 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
+from surefoot.base.discrete_damping import POSED, largest_damping, largest_stiffness
 from surefoot.base.spatial import GRAVITY, rotation_about
-from surefoot.mechanics import Legs, Robot
+from surefoot.mechanics import Actuators, Legs, Robot
 
 STIFFNESS = 1.5
 """A joint's stiffness over m g h per radian, h the height of the base: legs give way by 4 degrees or so."""
@@ -66,8 +67,6 @@ class BodyPostures:
     ----------
     stand, sit, lie
         Two feet only stand.
-    stiffness, damping
-        Gains of every joint that takes one [N m/rad], (joints,) [N m s/rad].
     """
 
     stand = (0.0, 0.0)
@@ -77,8 +76,6 @@ class BodyPostures:
         self._nominal = robot.nominal[7:].copy()
         self._feet = self._legs.feet(self._nominal)
         height = max(float(robot.nominal[2]), 0.05)
-        self.stiffness = STIFFNESS * robot.mass * GRAVITY * height
-        self.damping = DAMPING * self.stiffness
         self.sit = self.lie = self.stand
         if len(robot.feet) > 2:
             length = float(np.ptp(self._feet[:, 0]))
@@ -117,3 +114,38 @@ class BodyPostures:
         goal, start = self.way(posture, posture).points[-1], np.clip(angles, self._legs.low, self._legs.high)
         duration = max(float(np.abs(goal - start).max()) / FOLDING, 0.2)
         return PostureMotion(np.array([start, goal]), duration)
+
+
+def posture_gains(
+    robot: Robot, dt: float, actuators: Actuators | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Return the (joints,) stiffness [N m/rad] and damping [N m s/rad] of joints that hold a posture.
+
+    Less in light links, which would shake: a wrist, an ankle in the air.
+
+    Parameters
+    ----------
+    robot
+        With a floating base.
+    dt
+        Time between commands [s].
+    actuators
+        Its motors, whose rotors turn with the joints; None for ideal ones.
+    """
+    inertia = _joint_inertia(robot, actuators)
+    stiffness = STIFFNESS * robot.mass * GRAVITY * max(float(robot.nominal[2]), 0.05)
+    return (
+        np.minimum(stiffness, largest_stiffness(inertia, dt, POSED)),
+        np.minimum(DAMPING * stiffness, largest_damping(inertia, dt, POSED)),
+    )
+
+
+def _joint_inertia(robot: Robot, actuators: Actuators | None) -> FloatArray:
+    """Return (joints,) what each joint turns where nothing holds the robot: 1 over the diagonal of M^-1."""
+    import pinocchio
+
+    mass = np.array(pinocchio.crba(robot.model, robot.model.createData(), robot.nominal))
+    mass = np.triu(mass) + np.triu(mass, 1).T
+    if actuators is not None:
+        mass[robot.base_dof :, robot.base_dof :] += np.diag(actuators.armature)
+    return 1.0 / np.diag(np.linalg.inv(mass))[robot.base_dof :]

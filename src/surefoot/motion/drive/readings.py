@@ -117,6 +117,9 @@ class ReadingLimits:
         How far angles may be from what their speeds say, and the attitude from what the gyro says [rad].
     tilt
         Lean of the base at which the robot counts as fallen [rad].
+    uneven
+        Whether nobody knows how much of the robot's time lies between two readings, as of a simulator on a
+        busy computer: after a gap, angles may be anywhere that their speed limits allow.
     """
 
     patience: float = 0.014
@@ -129,10 +132,12 @@ class ReadingLimits:
     mismatch: float = 0.04
     turned: float = 0.1
     tilt: float = 1.0
+    uneven: bool = False
 
     def __post_init__(self) -> None:
         for name in self.__dataclass_fields__:
-            real_number(name, getattr(self, name), low=1e-6)
+            if name != "uneven":
+                real_number(name, getattr(self, name), low=1e-6)
 
 
 class ReadingWatch(Remembering):
@@ -188,8 +193,17 @@ class ReadingWatch(Remembering):
     @property
     def blind(self) -> bool:
         """Whether control is impossible."""
-        late = self.silent >= self.limits.patience - 0.5 * self.dt
-        return self.last is None or late or self._contradictions >= CONTRADICTIONS
+        return self.last is None or self._late or self.contradictory
+
+    @property
+    def _late(self) -> bool:
+        """Whether patience is over; silence is a sum of steps, which rounding may leave just below it."""
+        return self.silent >= self.limits.patience - 0.5 * self.dt
+
+    @property
+    def contradictory(self) -> bool:
+        """Whether readings contradict themselves, while patience is not over."""
+        return self._contradictions >= CONTRADICTIONS and not self._late
 
     @property
     def lean(self) -> float:
@@ -219,9 +233,11 @@ class ReadingWatch(Remembering):
         wrong = beyond(said, self._low, self._high, self._fastest, limits.turning, limits.hardest)
         if not math.isfinite(readings.time) or wrong == ReadingFault.ENDLESS:
             return REASONS[ReadingFault.ENDLESS]
-        return self._late(readings.time, now) or REASONS[wrong or self._contradictory(said)]
+        return (
+            self._untimely(readings.time, now) or REASONS[wrong or self._contradictory(said, readings.time)]
+        )
 
-    def _late(self, time: float, now: float) -> str:
+    def _untimely(self, time: float, now: float) -> str:
         """Return what is wrong with a reading's time."""
         before, self._clock = self._clock, time
         if self.silent >= self.limits.outage:  # what is late for so long has a clock that was held up
@@ -235,8 +251,8 @@ class ReadingWatch(Remembering):
         self._offset = min(self._offset + 1e-4 * self.dt, now - time)
         return "a reading is late" if now - time > self._offset + self.limits.latest else ""
 
-    def _contradictory(self, said: FloatArray) -> int:
-        """Return what contradicts itself, or the reading before."""
+    def _contradictory(self, said: FloatArray, time: float) -> int:
+        """Return what of a reading of a time [s] contradicts itself, or the reading before."""
         if self.last is None:
             self._said[:], self._repeated[:] = said, 0
             return ReadingFault.SOUND
@@ -249,10 +265,12 @@ class ReadingWatch(Remembering):
             return ReadingFault.SOUND
         elapsed = self.silent + self.dt
         # faster than is believed, so that nothing was compared meanwhile
-        flung = self.reason == REASONS[ReadingFault.OUTSIDE]
+        flung = self.silent if self.reason == REASONS[ReadingFault.OUTSIDE] else 0.0
+        if limits.uneven:
+            flung = max(self.silent, time - self.last.time - self.dt)
         found = contradicts(
             said, self._last, self._kept, elapsed, FORGET ** (elapsed / self.dt), limits.mismatch,
-            limits.turned, self._fastest, self.silent if flung else 0.0,
+            limits.turned, self._fastest, flung,
         )  # fmt: skip
         self._contradictions += found != ReadingFault.SOUND
         return found

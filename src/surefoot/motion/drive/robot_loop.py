@@ -15,7 +15,7 @@ from surefoot.base.memory import Remade, Remembering
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Actuators, FlatTerrain, Robot, Terrain, actuators_of, with_rotors
 from surefoot.motion.control.controller import Command, JointTargets, RobotState
-from surefoot.motion.drive.foot_load import HANGS, MAYBE_HANGS, hangs
+from surefoot.motion.drive.foot_load import HANGS, MAYBE_HANGS, FootLoad, hint
 from surefoot.motion.drive.getting_up import FALLEN, LOW, TRIES, UPRIGHT, FallRecovery
 from surefoot.motion.drive.joint_targets import JointTargetController
 from surefoot.motion.drive.latency_compensation import LatencyCompensation
@@ -126,7 +126,8 @@ class RobotLoop(Remade, ResumableLoop):
         self._motors = actuators_of(robot, actuators)
         geared = robot if self._motors is None else with_rotors(robot, self._motors.armature)
         self.tracker = StateTracker(geared, self.dt, None, known, imu_position, actuators=self._motors)
-        self._player, self.target_limits = PosturePlayer(robot, self.dt), TargetLimits(robot)
+        self._player = PosturePlayer(robot, self.dt, self._motors)
+        self._load, self.target_limits = FootLoad(robot), TargetLimits(robot)
         self.recover, self._recovery = False, FallRecovery()
         self._damp = damping_targets(robot, self.dt)
         self._passive = JointTargets(*np.zeros((5, robot.joints)))
@@ -141,8 +142,8 @@ class RobotLoop(Remade, ResumableLoop):
 
     def _parts(self) -> dict[str, Remembering]:
         """See `ResumableLoop`."""
-        watch, recovery = self.watch, self._recovery
-        return {"watch": watch, "recovery": recovery, "player": self._player, "tracker": self.tracker}
+        parts = self.watch, self._recovery, self._player, self._load, self.tracker
+        return dict(zip(("watch", "recovery", "player", "load", "tracker"), parts, strict=True))
 
     def warm_up(self) -> None:
         """Make a dry run of damping, standing and walking, so that all kernels are compiled, and reset."""
@@ -290,13 +291,13 @@ class RobotLoop(Remade, ResumableLoop):
     def _judge(self) -> None:
         """Damp for good where control has been impossible for too long, or the robot has fallen."""
         watch = self.watch
-        if watch.silent >= self.limits.outage or (watch.blind and watch.silent < self.limits.patience):
+        if watch.silent >= self.limits.outage or watch.contradictory:
             self._stop(watch.reason)
         elif self._down() and not (self.mode is LoopMode.STAND_UP and self._player.lying):
             self._recovery.fell(self.mode, self.time)
             self._stop(FALLEN)
         elif self.mode in CONTROLLED and self.tracker.failure:
-            self._stop(f"the state estimate was lost: {self.tracker.failure}{MAYBE_HANGS}")
+            self._stop(f"the state estimate was lost: {self.tracker.failure}{hint(self.robot, watch.last)}")
 
     def _recover(self) -> None:
         """Get up after a fall, and walk on if the robot walked."""
@@ -321,13 +322,14 @@ class RobotLoop(Remade, ResumableLoop):
             return self._damp
         if self.mode not in CONTROLLED:
             targets = self._player.targets(self.time)
-            if self.mode is not LoopMode.STAND_UP or self._player.rest(self.time) < SETTLE:
+            self._load.look(held := self._player.rest(self.time), self.watch.last)
+            if self.mode is not LoopMode.STAND_UP or held < SETTLE:
                 return targets
             if self._player.lying:
                 if not self._player.go_on(targets.positions, self.time, self.watch.lean > UPRIGHT):
                     self._stop(f"the robot rolled {TRIES} times and is not on its belly{MAYBE_HANGS}")
                 return targets
-            if hangs(self.robot, self.watch.last):
+            if self._load.nothing:
                 self._stop(HANGS)
                 return self._damp
             self._begin()

@@ -6,8 +6,9 @@ from surefoot.motion.drive.readings import ReadingLimits
 
 SOONEST = 0.75
 """A message that comes sooner after the last than this many of the loop's steps is passed over."""
-OVERDUE = 3.0
-"""A reading is missing after so many steps since the last: threads of a simulator keep no time."""
+OVERDUE = 0.1
+"""A reading is missing after such a time since the last [s]. A simulator that says nothing has most likely
+been held up by its computer, and its robot with it: steps that are made meanwhile would run ahead of it."""
 STOPPED = 5.0
 """Time after which a reading is missing in slow motion, where a busy computer stops a simulator [s]."""
 FASTEST, TURNING = 20.0, 5.0
@@ -24,7 +25,7 @@ def simulator_limits(dt: float) -> ReadingLimits:
     usual = ReadingLimits()
     return ReadingLimits(
         patience=max(usual.patience, 10.0 * dt), outage=1.0, latest=1.0,
-        mismatch=usual.mismatch + 2.0 * dt * FASTEST, turned=usual.turned + 2.0 * dt * TURNING,
+        mismatch=usual.mismatch + 2.0 * dt * FASTEST, turned=usual.turned + 2.0 * dt * TURNING, uneven=True,
     )  # fmt: skip
 
 

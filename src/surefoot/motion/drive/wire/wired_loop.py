@@ -63,7 +63,7 @@ class WiredLoop:
         self.simulator = simulator
         self.refused: Counter[str] = Counter()
         self.rivals: tuple[str, ...] = ()
-        self._late = OVERDUE if simulator is not None else LATE
+        self._late = LATE * loop.dt if simulator is None else OVERDUE
         self._patience = STOPPED if simulator is not None else PATIENT
         self._machine = 0
         self._due = clock.perf_counter()
@@ -90,7 +90,7 @@ class WiredLoop:
             self._due += dt
         else:
             self._machine = 0 if self.dialect.headed else int(message["mode_machine"])
-            self._due = now + self._late * dt
+            self._due = now + self._late
         targets = self.loop.step(readings, None if self.slow else now)
         self.end.send(self.dialect.command_message(targets, self._machine))
         if self.slow and message is not None:  # a step may take long where machines are busy

@@ -235,7 +235,8 @@ class StepPlanner:
                     spans = [(clock, spans[0][1] if spans else math.inf), *spans[1:]]
                 steps.append(Footstep(k, *spans[0], ground[k, :2], toes[k]))
                 spans = spans[1:]
-            later += [(begin, end, k) for begin, end in spans]
+            # a foot that stands for ever by the gait, and is in the air, comes down now
+            later += [(begin if math.isfinite(begin) else clock, end, k) for begin, end in spans]
         flying = {k for k in range(2) if not on[k]}
         last = max(steps, key=lambda one: one.begin, default=None)
         stride, rate = body.velocity[:2] * self.step_time, float(body.velocity[2])
