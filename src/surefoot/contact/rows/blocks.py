@@ -5,11 +5,11 @@ is round: ||λ_t|| <= mu λ_n for 2, 3 or 5 of them (sliding, spin, rolling).
 
 | kind | rows | law |
 | --- | --- | --- |
-| HELD | 1 | any impulse, no velocity: a joint, an equality |
-| DRY | 1 | |λ| <= limit, against the velocity: dry friction |
-| STOP | 1 | 0 <= λ ⟂ u >= 0: a limit, a contact without friction |
-| CONE | 3, 4, 6 | Signorini's and Coulomb's laws with the most dissipation |
-| SOFT | 1, 3, 4, 6 | λ = P(-u / R), R a softness per row: no law, a pad that gives way |
+| HELD_ROW | 1 | any impulse, no velocity: a joint, an equality |
+| DRY_ROW | 1 | |λ| <= limit, against the velocity: dry friction |
+| STOP_ROW | 1 | 0 <= λ ⟂ u >= 0: a limit, a contact without friction |
+| CONE_ROWS | 3, 4, 6 | Signorini's and Coulomb's laws with the most dissipation |
+| SOFT_ROWS | 1, 3, 4, 6 | λ = P(-u / R), R a softness per row: no law, a pad that gives way |
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import math
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import inline_kernel
 
-HELD, DRY, STOP, CONE, SOFT = range(5)
+HELD_ROW, DRY_ROW, STOP_ROW, CONE_ROWS, SOFT_ROWS = range(5)
 WIDEST = 6
 """Rows of a block at most."""
 OPEN, STICK, SLIDE, LOW, HIGH = range(5)
@@ -42,13 +42,13 @@ def project(
     p = P(λ - ρ u) with λ in x: of a cone the normal part first, then the tangents onto the disc of radius
     mu p_n. A soft block has its own softnesses in x and no λ, see `soft_impulse`.
     """
-    if kind == SOFT:
+    if kind == SOFT_ROWS:
         return soft_impulse(dim, mu, x, u, at, p)
     point = x[at] - stiff * u[at]
-    if kind == HELD:
+    if kind == HELD_ROW:
         p[at] = point
         return STICK
-    if kind == DRY:
+    if kind == DRY_ROW:
         p[at] = min(max(point, -limit), limit)
         return LOW if point < -limit else (HIGH if point > limit else STICK)
     if not point > 0.0:
@@ -111,7 +111,7 @@ def slope(
             D[a, b] = 0.0
     if mode == OPEN or mode == LOW or mode == HIGH:
         return
-    if kind == SOFT:
+    if kind == SOFT_ROWS:
         _soft_slope(dim, mode, mu, x, u, at, D)
         return
     D[0, 0] = stiff
@@ -169,14 +169,14 @@ def block_error(
     The natural map of De Saxcé's form, not of the one that the solver linearises; evaluated in velocities,
     so that large impulses do not hide small ones.
     """
-    if kind == HELD:
+    if kind == HELD_ROW:
         return abs(u[at])
     own, v = w * x[at], u[at]
-    if kind == DRY:
+    if kind == DRY_ROW:
         bound = w * limit
         point = min(max(own - v, -bound), bound)
         return max(abs(own - point), (abs(own) - bound))
-    if kind == SOFT:
+    if kind == SOFT_ROWS:
         return 0.0
     if dim == 1:
         return max(abs(v) if own > v else abs(own), -min(v, own))

@@ -25,16 +25,16 @@ from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import inline_kernel, kernel
 from surefoot.base.numerics.lu_factors import apply_lu, factor_lu
 from surefoot.contact.rows.blocks import (
-    CONE,
+    CONE_ROWS,
     DIM,
-    DRY,
+    DRY_ROW,
     FIRST,
-    HELD,
+    HELD_ROW,
     KIND,
     LIMIT,
     MU,
     SLIDE,
-    SOFT,
+    SOFT_ROWS,
     STIFF,
     STIFF_T,
     WEIGHT,
@@ -49,12 +49,12 @@ MOST = 60
 tests/contact/rows)."""
 PATIENCE, FULL = 8, 4
 """Newton steps for one λ where who sticks and who slides does not settle, and those of them that are whole."""
-PENALTY, TOP, SOFTEST = 1e3, 1e2, 1e-3
+ROW_PENALTY, TOP, SOFTEST = 1e3, 1e2, 1e-3
 """Penalty of a row times its inertia's inverse [-], and the largest and least shares of it that are used [-]."""
 UP, DOWN, GRACE = 10.0, 100.0, 3
 """Factors of the share after a round that was better, and after the rounds without a better error that are
 let go on."""
-ATTEMPTS = ((1e-3, True), (1.0, False), (0.1, False), (1e-3, False))
+ROW_ATTEMPTS = ((1e-3, True), (1.0, False), (0.1, False), (1e-3, False))
 """First share, and whether from the impulses at hand; else from none: what one start misses, another finds."""
 
 
@@ -161,7 +161,7 @@ def worst_error(table: IntArray, numbers: FloatArray, x: FloatArray, u: FloatArr
 def free_speed(table: IntArray, k: int, b: FloatArray, u: FloatArray) -> float:
     """Return how fast a block's rows move that its impulses have to stop [m/s]; 0 for what does not close."""
     at, kind = table[k, FIRST], table[k, KIND]
-    if kind == HELD or kind == DRY:
+    if kind == HELD_ROW or kind == DRY_ROW:
         return abs(u[at])
     if not u[at] < 0.0:
         return 0.0
@@ -196,7 +196,7 @@ def _assemble(
 def _take(table: IntArray, source: FloatArray, x: FloatArray) -> None:
     """Copy the impulses of all blocks but soft ones, whose place in x holds their softness."""
     for k in range(table.shape[0]):
-        if table[k, KIND] != SOFT:
+        if table[k, KIND] != SOFT_ROWS:
             for i in range(table[k, FIRST], table[k, FIRST] + table[k, DIM]):
                 x[i] = source[i]
 
@@ -210,7 +210,7 @@ def _from_impulses(
     for i in range(v.size):
         work[i] = 0.0
     for k in range(table.shape[0]):
-        if table[k, KIND] != SOFT:
+        if table[k, KIND] != SOFT_ROWS:
             for i in range(table[k, FIRST], table[k, FIRST] + table[k, DIM]):
                 for c in range(1, columns[k, 0] + 1):
                     work[columns[k, c]] += J[i, columns[k, c]] * x[i]
