@@ -8,11 +8,12 @@ from __future__ import annotations
 import copy
 from typing import Any
 
+import numba
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.errors import ProblemError
-from surefoot.base.kernels import kernel
+from surefoot.base.kernels import entry_point, kernel
 from surefoot.worlds.mujoco.stepper.addresses import all_memory, place_of
 
 FOLLOWED = (
@@ -24,6 +25,7 @@ FOLLOWED = (
     "tendon_range",
 )  # fmt: skip
 """Arrays of a model whose changes between two steps are followed."""
+WORDS, TABLE = numba.int64[::1], numba.int64[:, ::1]
 OPTIONS = ("timestep", "integrator", "impratio", "density", "viscosity", "tolerance", "iterations")
 """Options that are followed, beside gravity, wind and the flags."""
 
@@ -86,6 +88,12 @@ class PrivateModel:
             source = getattr(original, name)
             if source.size and source.dtype == np.float64:
                 rows += [(place_of(source), place_of(getattr(m, name)), source.size) for m in self._both]
+        for name in ("gravity", "wind"):
+            source = getattr(original.opt, name)
+            rows += [(place_of(source), place_of(getattr(m.opt, name)), source.size) for m in self._both]
+        self._option, self._known = original.opt, tuple[float, ...]()
+        self._copy_changes = entry_point(follow_changes, WORDS, TABLE)
+        self._take_options()
         self._table: IntArray = np.array(rows, dtype=np.int64).reshape(-1, 3)
 
     @property
@@ -117,19 +125,28 @@ class PrivateModel:
 
     def follow(self) -> None:
         """Take over what was changed in the original since the last step."""
-        option = self._original.opt
+        if self._options() != self._known:
+            self._take_options()
+        self._copy_changes(self._words, self._table)
+
+    def _options(self) -> tuple[float, ...]:
+        """Return the options that are followed."""
+        own = self._option
+        return (
+            own.timestep, own.density, own.viscosity, own.integrator, own.disableflags, own.enableflags,
+            own.impratio,
+        )  # fmt: skip
+
+    def _take_options(self) -> None:
+        """Take over the options of the original."""
+        self._known, option = self._options(), self._option
         for model in self._both:
             own = model.opt
             for name in OPTIONS:
-                value = getattr(option, name)
-                if getattr(own, name) != value:
-                    setattr(own, name, value)
-            flags = int(option.disableflags) | int(self._mujoco.mjtDisableBit.mjDSBL_ISLAND)
-            if int(own.disableflags) != flags or int(own.enableflags) != int(option.enableflags):
-                own.disableflags, own.enableflags = flags, option.enableflags
-            if (own.gravity != option.gravity).any() or (own.wind != option.wind).any():
-                own.gravity[:], own.wind[:] = option.gravity, option.wind
-        follow_changes(self._words, self._table)
+                setattr(own, name, getattr(option, name))
+            own.disableflags = int(option.disableflags) | int(self._mujoco.mjtDisableBit.mjDSBL_ISLAND)
+            own.enableflags = option.enableflags
+        refuse(self._mujoco, self._original)
 
     def damping(self, qvel: FloatArray) -> FloatArray:
         """Return what Euler's method takes implicitly (nv,) [N s/m, N m s/rad]; (0,) for none."""

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import numba
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
-from surefoot.base.kernels import inline_kernel, kernel, window
+from surefoot.base.kernels import INTEGER, MATRIX, VECTOR, inline_kernel, kernel, window
+from surefoot.base.numerics.lu_factors import apply_lu, factor_lu
 from surefoot.base.numerics.tree_factor import factor_tree, half_solve_tree, solve_tree
 from surefoot.contact import SOFT_ROWS, ROW_ATTEMPTS, ROW_PENALTY, count_parts, solve_part
 from surefoot.worlds.mujoco.stepper.rows import (
@@ -29,6 +31,11 @@ QVEL, QFRC_SMOOTH, QACC_SMOOTH, QFRC_CONSTRAINT, QACC, MASS, ROWS, STARTS, COLUM
 """Places of arrays that do not move."""
 STRUCT, NV, NC, NTREE = range(10, 14)
 """After them: mjData itself, and sizes."""
+WORDS, HALVES, TABLE = numba.int64[::1], numba.int32[::1], numba.int64[:, ::1]
+STAGE_TYPES = (
+    VECTOR, WORDS, HALVES, WORDS, WORDS, WORDS, INTEGER, VECTOR, VECTOR, VECTOR, MATRIX,
+    numba.types.Tuple((TABLE, TABLE, VECTOR)), VECTOR, VECTOR,
+)  # fmt: skip
 ERROR, SPEED, STEPS, BLOCKS, UNSOLVED, VIOLATION = range(6)
 """What the stage tells: velocity error over the speed, the speed [m/s], Newton steps, blocks, connected parts
 that are not solved, and the largest violation of a position [m, rad]."""
@@ -273,21 +280,25 @@ def _free_motion(
     v: FloatArray,
 ) -> None:  # fmt: skip
     """Fill the inertia of the integrator, and the velocities without impulses."""
-    n = v.size
+    n, damped = v.size, False
+    for i in range(damping.size):
+        damped = damped or damping[i] != 0.0
     if dense.shape[0] > 0:
         for i in range(n):
             for j in range(n):
                 M[i, j] = dense[i, j]
     else:
         dense_inertia(mass, rows, starts, columns, damping, h, M)
-    if dense.shape[0] == 0 and damping.size == 0:
+    if dense.shape[0] == 0 and not damped:
         for i in range(n):
             v[i] = qvel[i] + h * floats[fixed[QACC_SMOOTH] + i]
         return
     for i in range(n):
         v[i] = h * floats[fixed[QFRC_SMOOTH] + i]
     if dense.shape[0] > 0:
-        v[:] = np.linalg.solve(M, v)
+        order, whole = np.empty(n, np.int64), M.copy()
+        if factor_lu(whole, order):
+            apply_lu(whole, order, v)
     else:
         factors = mass.copy()
         for i in range(n):

@@ -11,13 +11,23 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray, real_number
 from surefoot.base.errors import ProblemError
+from surefoot.base.kernels import entry_point
 from surefoot.contact import Status
 from surefoot.worlds.mujoco.spec import import_mujoco
 from surefoot.worlds.mujoco.stepper import addresses
 from surefoot.worlds.mujoco.stepper.implicit import ImplicitInertia
 from surefoot.worlds.mujoco.stepper.private_model import PrivateModel
+from surefoot.worlds.mujoco.stepper.rows import SLOWEST, START, STEP
 from surefoot.worlds.mujoco.stepper.runge_kutta import finish_runge_kutta
-from surefoot.worlds.mujoco.stepper.stage import BLOCKS, ERROR, SPEED, STEPS, VIOLATION, exact_stage
+from surefoot.worlds.mujoco.stepper.stage import (
+    BLOCKS,
+    ERROR,
+    SPEED,
+    STAGE_TYPES,
+    STEPS,
+    VIOLATION,
+    exact_stage,
+)
 
 SHARE = 0.2
 """Share of a penetration, and of an equality's error, that is undone in a step [-]: beside the motion, so that
@@ -133,9 +143,18 @@ class MujocoStepper:
         self._implicit: ImplicitInertia | None = None
         self._arena = addresses.arena_words(mujoco)
         self._layout = addresses.contact_places(mujoco)
-        self._floats, self._words, self._halves = addresses.all_memory()
+        self._memory_views = addresses.all_memory()
+        self._option = self.model.opt
+        self._settings = np.array([
+            0.0, self.share, self.tol, REACH, self.restitution, 0.0, self._private.limit_reach, 0.0,
+        ])  # fmt: skip
+        self._call = entry_point(exact_stage, *STAGE_TYPES)
         self._status = Status.SOLVED
         self._no_damping, self._no_dense = np.zeros(0), np.zeros((0, 0))
+        self._damping = self.model.dof_damping
+        bits = mujoco.mjtDisableBit
+        self._undamped = int(bits.mjDSBL_EULERDAMP) | int(bits.mjDSBL_DAMPER)
+        self._fwdinv = int(mujoco.mjtEnableBit.mjENBL_FWDINV)
         self._plain_damping = not np.any(model.dof_dampingpoly) and not np.any(np.array(model.jnt_actuatorid) != -1)
         if self._private.pyramids and model.ngeom:
             warnings.warn(
@@ -178,9 +197,9 @@ class MujocoStepper:
         data.flg_rnepost = False
         mujoco.mj_sensorAcc(model, data)
         mujoco.mj_checkAcc(model, data)
-        if model.opt.enableflags & int(mujoco.mjtEnableBit.mjENBL_FWDINV):
+        if self._option.enableflags & self._fwdinv:
             mujoco.mj_compareFwdInv(model, data)
-        integrator = int(model.opt.integrator)
+        integrator = self._option.integrator
         pushed = self._pushed
         if integrator == _EULER:
             mujoco.mj_Euler(model, data)
@@ -244,15 +263,15 @@ class MujocoStepper:
             return
         if count > len(self._memory[2]):
             self._memory, self._told[7] = _room(2 * count), 0.0
-        h = float(model.opt.timestep)
-        slowest = RESTS * h * float(np.sqrt(model.opt.gravity @ model.opt.gravity)) if self.restitution else 0.0
-        settings = np.array([
-            h, self.share, self.tol, self._private.reach, self.restitution, slowest, self._private.limit_reach,
-            0.0 if start is None else float(addresses.place_of(start)),
-        ])  # fmt: skip
-        failed = exact_stage(
-            self._floats, self._words, self._halves, self._fixed, self._arena, self._layout, count, settings,
-            self._soft, *self._inertia(data), self._memory, self._told, self._push,
+        settings = self._settings
+        settings[STEP], settings[START] = self._option.timestep, 0.0
+        if start is not None:
+            settings[START] = addresses.place_of(start)
+        if self.restitution:
+            settings[SLOWEST] = RESTS * settings[STEP] * float(np.linalg.norm(self._option.gravity))
+        failed = self._call(
+            *self._memory_views, self._fixed, self._arena, self._layout, count, settings, self._soft,
+            *self._inertia(data), self._memory, self._told, self._push,
         )  # fmt: skip
         if failed:
             if failed > 0 and self._told[ERROR] <= ACCEPTED:
@@ -264,10 +283,10 @@ class MujocoStepper:
 
     def _inertia(self, data: Any) -> tuple[FloatArray, FloatArray]:
         """Return what the integrator takes implicitly: (nv,) damping, or the (nv, nv) inertia; else none."""
-        integrator = int(self.model.opt.integrator)
+        integrator = self._option.integrator
         if integrator == _EULER:
-            if self._plain_damping and not self.model.dof_damping.any():
-                return self._no_damping, self._no_dense
+            if self._plain_damping and not self._option.disableflags & self._undamped:
+                return self._damping, self._no_dense
             return self._private.damping(data.qvel), self._no_dense
         if integrator == _RK4:
             return self._no_damping, self._no_dense
