@@ -47,8 +47,9 @@ from surefoot.contact.rows.blocks import (
 MOST = 60
 """Newton steps of one attempt: heaps of boxes that need more need another start (tuned on the scenes of
 tests/contact/rows)."""
-PATIENCE, FULL = 8, 4
-"""Newton steps for one λ where who sticks and who slides does not settle, and those of them that are whole."""
+PATIENCE, FULL, SEARCHES, FLAT = 12, 2, 12, 0.1
+"""Newton steps for one λ where who sticks and who slides does not settle, and those of them that are whole at
+any rate; evaluations along a later one, and the share of the first slope at which they end."""
 ROW_PENALTY, TOP, SOFTEST = 1e3, 1e2, 1e-3
 """Penalty of a row times its inertia's inverse [-], and the largest and least shares of it that are used [-]."""
 UP, DOWN, GRACE = 10.0, 100.0, 3
@@ -219,29 +220,78 @@ def _from_impulses(
         v[i] = free[i] + work[i]
 
 
+@kernel
+def _shorten(
+    M: FloatArray, free: FloatArray, J: FloatArray, b: FloatArray, columns: IntArray, table: IntArray,
+    numbers: FloatArray, share: float, x: FloatArray, v: FloatArray, step: FloatArray, room: FloatArray,
+    down: float, u: FloatArray, p: FloatArray, modes: IntArray,
+) -> None:  # fmt: skip
+    """Go back along a step that was taken to where the residual has no part along it, by regula falsi.
+
+    Where the rows' laws are those of a convex function (all but friction's tie to the normal force) that is its
+    least value on the way, and Newton's method with it finds the solution from anywhere.
+    """
+    low, high, at_low, length = 0.0, 1.0, -down, 1.0
+    at_high = _along(M, free, J, columns, table, v, p, step, room)
+    if not at_high > 0.0:
+        return
+    for _ in range(SEARCHES):
+        trial = low + (high - low) * max(0.05, min(0.95, -at_low / (at_high - at_low)))
+        for i in range(v.size):
+            v[i] += (length - trial) * step[i]
+        length = trial
+        _velocities(J, b, columns, table, v, u)
+        _evaluate(table, numbers, share, x, u, p, modes)
+        value = _along(M, free, J, columns, table, v, p, step, room)
+        if abs(value) <= FLAT * down:
+            return
+        if value > 0.0:
+            high, at_high, at_low = trial, value, 0.5 * at_low
+        else:
+            low, at_low, at_high = trial, value, 0.5 * at_high
+
+
+@inline_kernel
+def _along(
+    M: FloatArray, free: FloatArray, J: FloatArray, columns: IntArray, table: IntArray, v: FloatArray,
+    p: FloatArray, step: FloatArray, room: FloatArray,
+) -> float:  # fmt: skip
+    """Return the residual's part along a step backwards: negative where the step should go on."""
+    _residual(M, free, J, columns, table, v, p, room)
+    total = 0.0
+    for i in range(v.size):
+        total -= room[i] * step[i]
+    return total
+
+
 @inline_kernel
 def _settle(
     M: FloatArray, free: FloatArray, J: FloatArray, b: FloatArray, columns: IntArray, table: IntArray,
     numbers: FloatArray, share: float, x: FloatArray, known: bool, H: FloatArray, order: IntArray,
-    v: FloatArray, work: tuple[FloatArray, FloatArray, FloatArray, FloatArray, IntArray],
+    v: FloatArray, work: tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, IntArray],
 ) -> tuple[int, bool, bool]:  # fmt: skip
     """Take Newton steps for the impulses x until the modes stay; return their number, whether, and if H holds.
 
-    The work holds u, p (m,) of v, the step (n,), room (6, n + 1), and the modes.
+    The work holds u, p (m,) of v, the step and room (n,), room (6, n + 1), and the modes.
     """
-    u, p, step, moved, modes = work
+    u, p, step, before, moved, modes = work
     for turn in range(PATIENCE):
         _residual(M, free, J, columns, table, v, p, step)
         if not known:
             known = _assemble(M, J, columns, table, numbers, share, x, u, modes, H, moved)
             if not factor_lu(H, order):
                 return 0, False, False
-        apply_lu(H, order, step)
-        length = 1.0 if turn < FULL else 0.5
         for i in range(v.size):
-            v[i] -= length * step[i]
+            before[i] = step[i]
+        apply_lu(H, order, step)
+        down = 0.0
+        for i in range(v.size):
+            v[i] -= step[i]
+            down += step[i] * before[i]
         _velocities(J, b, columns, table, v, u)
         same = _evaluate(table, numbers, share, x, u, p, modes)
+        if not same and turn >= FULL and down > 0.0:
+            _shorten(M, free, J, b, columns, table, numbers, share, x, v, step, before, down, u, p, modes)
         known = known and same
         if same:
             return turn + 1, True, known
@@ -276,10 +326,10 @@ def solve_part(
     H, factors = np.empty((n, n)), M.copy()
     order, first_order = np.empty(n, np.int64), np.empty(n, np.int64)
     columns, modes = np.empty((count, n + 1), np.int64), np.full(count, -1, np.int64)
-    vectors, room = np.empty((5, m)), np.empty((3, n))
+    vectors, room = np.empty((5, m)), np.empty((4, n))
     x, u, p, best, u_still = vectors[0], vectors[1], vectors[2], vectors[3], vectors[4]
     free, step, still = room[0], room[1], room[2]
-    work = (u, p, step, np.empty((WIDEST, n + 1)), modes)
+    work = (u, p, step, room[3], np.empty((WIDEST, n + 1)), modes)
     _find_columns(J, table, columns)
     if not factor_lu(factors, first_order):
         return 0, np.inf, 0.0
