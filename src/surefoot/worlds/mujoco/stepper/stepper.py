@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypedDict
 
 import numpy as np
 
@@ -39,6 +39,15 @@ ACCEPTED = 1e-6
 """Velocity error over the speed of approach up to which a step is kept [-]; see `StepCertificate`."""
 RESTS = 4.0
 """Steps of gravity's own speed below which a contact does not bounce: it rests."""
+
+
+class StepperOptions(TypedDict, total=False):
+    """Options of `MujocoStepper` that others hand on."""
+
+    restitution: float
+    share: float
+    soft: str | Sequence[str]
+    tol: float
 
 
 class StepCertificate(NamedTuple):
@@ -213,6 +222,10 @@ class MujocoStepper:
         if pushed:
             mujoco.mj_integratePos(model, data.qpos, self._push, model.opt.timestep)
         self.steps += 1
+
+    def step_half(self, data: Any) -> None:
+        """Do what ``mujoco.mj_step2`` does, Euler's method where the model asks for RK4."""
+        self.step_second(data, halves=True)
 
     def forward(self, data: Any) -> None:
         """Do what ``mujoco.mj_forward`` does: forces and accelerations of the state, exact ones."""
