@@ -164,7 +164,7 @@ def free_speed(table: IntArray, k: int, b: FloatArray, u: FloatArray) -> float:
     at, kind = table[k, FIRST], table[k, KIND]
     if kind == HELD_ROW or kind == DRY_ROW:
         return abs(u[at])
-    if not u[at] < 0.0:
+    if not u[at] < 0.0 and kind != SOFT_ROWS:
         return 0.0
     square = 0.0
     for i in range(at, at + table[k, DIM]):
@@ -336,9 +336,18 @@ def solve_part(
     for i in range(n):
         free[i] = v[i]
     _velocities(J, b, columns, table, free, u)
-    scale = 0.0
+    scale = total = 0.0
     for k in range(count):
         scale = max(scale, free_speed(table, k, b, u))
+    for i in range(m):
+        total += u[i]
+    if not abs(total) < np.inf:
+        return 0, np.inf, 0.0
+    if scale == 0.0:  # nothing has to be stopped
+        for k in range(count):
+            for i in range(table[k, FIRST], table[k, FIRST] + table[k, DIM]):
+                forces[i] = 0.0
+        return 0, 0.0, 0.0
     for i in range(m):
         x[i] = best[i] = forces[i]
     # where the impulses at hand lead
@@ -382,7 +391,7 @@ def solve_part(
     for i in range(m):
         forces[i] = best[i]
     _from_best(J, columns, table, best, factors, first_order, free, step, v)
-    return done, least / scale if scale > 0.0 else 0.0, scale
+    return done, least / scale, scale
 
 
 @inline_kernel
