@@ -89,6 +89,8 @@ from .records.log.reading import read_log as read_log
 from .worlds.mujoco.contacts_from_mujoco import contacts_from_mujoco as contacts_from_mujoco
 from .worlds.mujoco.mujoco_world import MujocoWorld as MujocoWorld
 from .worlds.mujoco.recording import record as record
+from .worlds.mujoco.stepper.exact_contact import exact_contact as exact_contact
+from .worlds.mujoco.stepper.stepper import MujocoStepper as MujocoStepper
 from .worlds.replay.replay import replay_log as replay_log
 from .worlds.rigid.rigid_world import RigidWorld as RigidWorld
 from .worlds.rigid.scene import Body as Body

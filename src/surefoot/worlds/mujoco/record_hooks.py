@@ -6,13 +6,12 @@ mujoco import mj_step``). What C or C++ steps by itself (a viewer's thread, ``mu
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from functools import wraps
-from types import ModuleType
 from typing import Any, Protocol
 
 from surefoot.worlds.mujoco.record_capture import Scheme
+from surefoot.worlds.mujoco.replaced_functions import ReplacedFunctions, Replacement
 
 RESETS = ("mj_resetData", "mj_resetDataKeyframe", "mj_resetDataDebug")
 """Functions that end an episode."""
@@ -41,29 +40,18 @@ class StepHooks:
 
     def __init__(self, mujoco: Any, model: Any, data: Any, watcher: StepWatcher) -> None:
         self._mujoco, self._model, self._data, self._watcher = mujoco, model, data, watcher
-        self._replaced: list[tuple[ModuleType, str, Any, Any]] = []
+        self._functions = ReplacedFunctions(mujoco)
 
     def install(self) -> None:
         """Replace the functions, wherever a module holds them by their names."""
-        made = {"mj_step": self._step}
+        made: dict[str, Replacement] = {"mj_step": self._step}
         made |= dict.fromkeys(("mj_step2", "mj_Euler", "mj_implicit", "mj_RungeKutta"), self._part)
         made |= dict.fromkeys(LOOKS, self._look) | dict.fromkeys(RESETS, self._reset)
-        originals = {name: getattr(self._mujoco, name) for name in made if hasattr(self._mujoco, name)}
-        replacements = {name: made[name](name, function) for name, function in originals.items()}
-        for module in list(sys.modules.values()):
-            held = getattr(module, "__dict__", None)
-            if not isinstance(held, dict):
-                continue
-            for name, original in originals.items():
-                if held.get(name) is original:
-                    self._replaced.append((module, name, original, replacements[name]))
-                    held[name] = replacements[name]
+        self._functions.install(made)
 
     def remove(self) -> None:
         """Put the functions back."""
-        while self._replaced:
-            module, name, original, _ = self._replaced.pop()
-            module.__dict__[name] = original
+        self._functions.remove()
 
     def _step(self, name: str, original: Callable[..., Any]) -> Callable[..., Any]:
         mine, begin, end = self._data, self._watcher.begin_step, self._watcher.end_step

@@ -1,0 +1,95 @@
+"""MuJoCo's own arrays, reached from compiled code by their addresses.
+
+Constraints and contacts lie in an arena: their arrays move at every step, and to ask MuJoCo's bindings for each
+of them takes longer than a small step. The struct that holds their addresses does not move.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.base.errors import ModelError
+from surefoot.worlds.mujoco.record_capture import contact_struct
+
+FIRST_BYTE = 8
+"""Address that the views of all memory begin at: zero is none."""
+SPAN = 1 << 47
+"""Bytes that they reach over: user space on 64-bit Linux, macOS and Windows."""
+WORDS = 60_000
+"""Words of the struct mjData that are searched; MuJoCo 4.0.0's fields end before 30,000."""
+ARENA = (
+    "efc_J", "efc_type", "efc_id", "efc_pos", "efc_margin", "efc_frictionloss", "efc_vel", "efc_aref", "efc_R",
+    "efc_force",
+)  # fmt: skip
+"""Arrays of constraints that are read or written."""
+CONTACT_FIELDS = ("dist", "includemargin", "friction", "dim", "geom", "exclude", "efc_address")
+"""Fields of a contact that are."""
+_PROBE = """
+<mujoco><option cone="elliptic" jacobian="dense"/><worldbody><geom type="plane" size="1 1 1"/>
+<body pos="0 0 0.09"><freejoint/><geom type="box" size="0.1 0.1 0.1"/></body></worldbody></mujoco>
+"""
+
+
+@cache
+def all_memory() -> tuple[FloatArray, IntArray, Any]:
+    """Return views of all memory as float64, int64 and int32: an address is looked up, never a range copied."""
+    floats = (ctypes.c_double * (SPAN // 8)).from_address(FIRST_BYTE)
+    whole = (ctypes.c_int64 * (SPAN // 8)).from_address(FIRST_BYTE)
+    half = (ctypes.c_int32 * (SPAN // 4)).from_address(FIRST_BYTE)
+    return np.ctypeslib.as_array(floats), np.ctypeslib.as_array(whole), np.ctypeslib.as_array(half)
+
+
+def place_of(array: Any) -> int:
+    """Return where an array begins, as an index of the view of its kind; 0 for an empty one."""
+    address = int(array.__array_interface__["data"][0])
+    return (address - FIRST_BYTE) // array.itemsize if array.size else 0
+
+
+@cache
+def arena_words(mujoco: Any) -> IntArray:
+    """Return at which words of mjData the addresses of `ARENA` stand, then that of the contacts.
+
+    Raises
+    ------
+    ModelError
+        If this MuJoCo keeps its data in another way.
+    """
+    model = mujoco.MjModel.from_xml_string(_PROBE)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    words = np.ctypeslib.as_array((ctypes.c_int64 * WORDS).from_address(data._address))
+    # a probe of another size moves the arena's arrays, so that what matches twice is the field
+    found = [_words_of(words, getattr(data, name)) for name in ARENA]
+    found.append(_words_of(words, data.contact.dist))
+    data.qpos[2] = 5.0
+    mujoco.mj_forward(model, data)
+    data.qpos[2:7] = [0.09, 0.95, 0.05, 0.0, 0.0]
+    mujoco.mj_forward(model, data)
+    again = [_words_of(words, getattr(data, name)) for name in ARENA]
+    again.append(_words_of(words, data.contact.dist))
+    both = [np.intersect1d(one, two) for one, two in zip(found, again, strict=True)]
+    if any(not len(one) for one in both):
+        raise ModelError(f"MuJoCo {mujoco.__version__} keeps its constraints in an unknown way")
+    # an empty array shares the address of the field after it
+    return np.array([int(one[-1]) for one in both])
+
+
+def _words_of(words: IntArray, array: Any) -> IntArray:
+    """Return which words hold the address of an array."""
+    return np.flatnonzero(words[: WORDS // 2] == array.__array_interface__["data"][0])
+
+
+@cache
+def contact_places(mujoco: Any) -> IntArray:
+    """Return a contact's size in bytes, and the offsets of `CONTACT_FIELDS` in it."""
+    model = mujoco.MjModel.from_xml_string(_PROBE)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    struct = contact_struct(data.contact)
+    fields = struct.fields or {}
+    return np.array([struct.itemsize, *(int(fields[name][1]) for name in CONTACT_FIELDS)], dtype=np.int64)

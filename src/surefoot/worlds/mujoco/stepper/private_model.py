@@ -1,0 +1,179 @@
+"""The stepper's own copy of a model: elliptic cones, dense rows, contacts seen a little before they touch.
+
+The user's model is not touched; numbers that are changed in it are followed.
+"""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import numba
+import numpy as np
+
+from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.base.errors import ProblemError
+from surefoot.base.kernels import entry_point, kernel
+from surefoot.worlds.mujoco.stepper.addresses import all_memory, place_of
+
+FOLLOWED = (
+    "body_mass", "body_inertia", "body_ipos", "body_iquat", "body_pos", "body_quat", "body_gravcomp",
+    "body_invweight0", "dof_invweight0", "dof_M0", "geom_friction", "geom_pos", "geom_quat", "geom_size",
+    "geom_surfacevel", "dof_damping", "dof_armature", "dof_frictionloss", "jnt_stiffness", "jnt_range",
+    "qpos_spring", "actuator_gainprm", "actuator_biasprm", "actuator_ctrlrange", "actuator_forcerange",
+    "actuator_gear", "pair_friction", "eq_data", "tendon_stiffness", "tendon_damping", "tendon_frictionloss",
+    "tendon_range",
+)  # fmt: skip
+"""Arrays of a model whose changes between two steps are followed."""
+WORDS, TABLE = numba.int64[::1], numba.int64[:, ::1]
+OPTIONS = ("timestep", "integrator", "impratio", "density", "viscosity", "tolerance", "iterations")
+"""Options that are followed, beside gravity, wind and the flags."""
+
+
+def refuse(mujoco: Any, model: Any) -> None:
+    """Raise a `ProblemError` that names what a model asks for and the stepper does not do."""
+    enabled, flags = int(model.opt.enableflags), mujoco.mjtEnableBit
+    asked = {
+        "flex bodies": model.nflex > 0,
+        "plugins": model.nplugin > 0,
+        "the integrator discrete": int(model.opt.integrator) > int(mujoco.mjtIntegrator.mjINT_IMPLICITFAST),
+        "contact overrides (flag override)": enabled & int(flags.mjENBL_OVERRIDE),
+        "sleeping (flag sleep)": enabled & int(flags.mjENBL_SLEEP),
+        "adhesion of contacts": bool(getattr(model, "flg_adhesion", False)),
+        "speculative contacts (flag speculative)": enabled & int(getattr(flags, "mjENBL_SPECULATIVE", 0)),
+        "tendons with inertia": bool(np.any(model.tendon_armature)),
+    }
+    found = [name for name, has in asked.items() if has]
+    if found:
+        raise ProblemError(f"MujocoStepper does not know {', '.join(found)}, which this model asks for")
+
+
+@kernel
+def follow_changes(words: IntArray, table: IntArray) -> int:
+    """Copy words that differ from one place to another, (n, 3) from, to, number; return how many did."""
+    changed = 0
+    for k in range(table.shape[0]):
+        one, two = table[k, 0], table[k, 1]
+        for i in range(table[k, 2]):
+            if words[one + i] != words[two + i]:
+                words[two + i] = words[one + i]
+                changed += 1
+    return changed
+
+
+class PrivateModel:
+    """A copy of a model as the stepper needs it, which follows the original.
+
+    Attributes
+    ----------
+    model
+        For MuJoCo's stages: contacts are seen from `reach` on [m].
+    plain
+        The same without the reach, for what MuJoCo solves softly.
+    pyramids
+        Whether the original has pyramids for cones.
+    """
+
+    def __init__(self, mujoco: Any, original: Any, reach: float) -> None:
+        refuse(mujoco, original)
+        self._original, self._mujoco = original, mujoco
+        self.reach = reach
+        self.pyramids = int(original.opt.cone) == int(mujoco.mjtCone.mjCONE_PYRAMIDAL)
+        self.plain = self._copy()
+        self.model = self._copy()
+        self._widen(self.model)
+        self._words = all_memory()[1]
+        rows: list[tuple[int, int, int]] = []
+        for name in FOLLOWED:
+            source = getattr(original, name)
+            if source.size and source.dtype == np.float64:
+                rows += [(place_of(source), place_of(getattr(m, name)), source.size) for m in self._both]
+        for name in ("gravity", "wind"):
+            source = getattr(original.opt, name)
+            rows += [(place_of(source), place_of(getattr(m.opt, name)), source.size) for m in self._both]
+        self._option, self._known = original.opt, tuple[float, ...]()
+        self._copy_changes = entry_point(follow_changes, WORDS, TABLE)
+        self._take_options()
+        self._table: IntArray = np.array(rows, dtype=np.int64).reshape(-1, 3)
+
+    @property
+    def _both(self) -> tuple[Any, Any]:
+        return self.model, self.plain
+
+    def _copy(self) -> Any:
+        """Return a copy with elliptic cones and dense rows."""
+        mujoco, model = self._mujoco, copy.copy(self._original)
+        model.opt.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+        model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+        model.opt.solver = mujoco.mjtSolver.mjSOL_NEWTON
+        model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_ISLAND)
+        return model
+
+    def _widen(self, model: Any) -> None:
+        """Let contacts and limits be seen from the reach on."""
+        model.geom_margin[:] += 0.5 * self.reach
+        model.pair_margin[:] += self.reach
+        model.body_margin[:] += self.reach
+        kinds = self._mujoco.mjtSensor
+        asked = set(map(int, model.sensor_type)) & {
+            int(kinds.mjSENS_JOINTLIMITPOS), int(kinds.mjSENS_TENDONLIMITPOS),
+        }  # fmt: skip
+        if not asked:  # else their readings would begin at the reach
+            model.jnt_margin[:] += self.reach
+            model.tendon_margin[:] += self.reach
+        self.limit_reach = 0.0 if asked else self.reach
+
+    def follow(self) -> None:
+        """Take over what was changed in the original since the last step."""
+        if self._options() != self._known:
+            self._take_options()
+        self._copy_changes(self._words, self._table)
+
+    def _options(self) -> tuple[float, ...]:
+        """Return the options that are followed."""
+        own = self._option
+        return (
+            own.timestep, own.density, own.viscosity, own.integrator, own.disableflags, own.enableflags,
+            own.impratio,
+        )  # fmt: skip
+
+    def _take_options(self) -> None:
+        """Take over the options of the original."""
+        self._known, option = self._options(), self._option
+        for model in self._both:
+            own = model.opt
+            for name in OPTIONS:
+                setattr(own, name, getattr(option, name))
+            own.disableflags = int(option.disableflags) | int(self._mujoco.mjtDisableBit.mjDSBL_ISLAND)
+            own.enableflags = option.enableflags
+        refuse(self._mujoco, self._original)
+
+    def damping(self, qvel: FloatArray) -> FloatArray:
+        """Return what Euler's method takes implicitly (nv,) [N s/m, N m s/rad]; (0,) for none."""
+        model, bits = self.model, self._mujoco.mjtDisableBit
+        off = int(bits.mjDSBL_EULERDAMP) | int(bits.mjDSBL_DAMPER)
+        if int(model.opt.disableflags) & off:
+            return np.zeros(0)
+        linear, poly = np.array(model.dof_damping), np.array(model.dof_dampingpoly).reshape(model.nv, -1)
+        for joint, actuator in self._dampers():
+            here = model.dof_jntid == joint
+            gear = float(model.actuator_gear.reshape(-1, 6)[model.actuator_outadr[actuator], 0]) ** 2
+            linear[here] += model.actuator_damping[actuator] * gear
+            poly[here] += model.actuator_dampingpoly.reshape(-1, poly.shape[1])[actuator] * gear
+        powers = np.arange(1, poly.shape[1] + 1)
+        # the slope of v (b + Σ c_i |v|^i)
+        slope = linear + ((powers + 1) * poly * np.abs(qvel)[:, None] ** powers).sum(axis=1)
+        return slope if slope.any() else np.zeros(0)
+
+    def _dampers(self) -> list[tuple[int, int]]:
+        """Return pairs of a joint and an actuator that damps it."""
+        model, out = self.model, []
+        kinds = (int(self._mujoco.mjtTrn.mjTRN_JOINT), int(self._mujoco.mjtTrn.mjTRN_JOINTINPARENT))
+        for joint, actuator in enumerate(np.array(model.jnt_actuatorid).tolist()):
+            if actuator >= 0:
+                out.append((joint, actuator))
+            elif actuator < -1:
+                same = np.array(model.actuator_trnid).reshape(-1, 2)[:, 0] == joint
+                same &= np.isin(model.actuator_trntype, kinds)
+                out += [(joint, int(a)) for a in np.flatnonzero(same)]
+        return out

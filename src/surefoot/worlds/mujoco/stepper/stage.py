@@ -1,0 +1,330 @@
+"""The constraint stage of a step, compiled: MuJoCo's rows in, exact impulses out, MuJoCo's arrays filled."""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.base.kernels import INTEGER, MATRIX, VECTOR, inline_kernel, kernel, window
+from surefoot.base.numerics.lu_factors import apply_lu, factor_lu
+from surefoot.base.numerics.tree_factor import factor_tree, half_solve_tree, solve_tree
+from surefoot.contact import SOFT_ROWS, ROW_ATTEMPTS, ROW_PENALTY, count_parts, solve_part
+from surefoot.worlds.mujoco.stepper.rows import (
+    FIRST_BYTE,
+    FORCE,
+    ID,
+    SHARE,
+    START,
+    SOFTNESS,
+    STEP,
+    TOL,
+    TYPE,
+    dense_inertia,
+    find_impulses,
+    read_blocks,
+    restore_margins,
+    violation_rows,
+)
+
+QVEL, QFRC_SMOOTH, QACC_SMOOTH, QFRC_CONSTRAINT, QACC, MASS, ROWS, STARTS, COLUMNS, TREES = range(10)
+"""Places of arrays that do not move."""
+STRUCT, NV, NC, NTREE = range(10, 14)
+"""After them: mjData itself, and sizes."""
+WORDS, HALVES, TABLE = numba.int64[::1], numba.int32[::1], numba.int64[:, ::1]
+STAGE_TYPES = (
+    VECTOR, WORDS, HALVES, WORDS, WORDS, WORDS, INTEGER, VECTOR, VECTOR, VECTOR, MATRIX,
+    numba.types.Tuple((TABLE, TABLE, VECTOR)), VECTOR, VECTOR,
+)  # fmt: skip
+ERROR, SPEED, STEPS, BLOCKS, UNSOLVED, VIOLATION = range(6)
+"""What the stage tells: velocity error over the speed, the speed [m/s], Newton steps, blocks, connected parts
+that are not solved, and the largest violation of a position [m, rad]."""
+SMALL = 1e-9
+"""Violation that is left alone [m, rad], and the share of the largest weight that every row's counts at least
+[-]: a row that the mechanism hardly moves must not be given a penalty without bounds."""
+
+
+@inline_kernel
+def _weights(
+    J: FloatArray, table: IntArray, numbers: FloatArray, factors: FloatArray, rows: IntArray,
+    starts: IntArray, columns: IntArray,
+) -> None:  # fmt: skip
+    """Fill weight and penalties of every block, from the diagonal of J M⁻¹ Jᵀ."""
+    n = rows.size
+    y, top = np.empty(n), 0.0
+    for k in range(table.shape[0]):
+        first = others = total = 0.0
+        for a in range(table[k, 1]):
+            for j in range(n):
+                y[j] = J[table[k, 2] + a, j]
+            half_solve_tree(factors, rows, starts, columns, y)
+            size = 0.0
+            for j in range(n):
+                size += y[j] * y[j] / factors[starts[j] + rows[j] - 1]
+            total += size
+            if a == 0:
+                first = size
+            else:
+                others = max(others, size)
+        numbers[k, 2], numbers[k, 3], numbers[k, 4] = total, first, others
+        top = max(top, total)
+    for k in range(table.shape[0]):
+        numbers[k, 3] = ROW_PENALTY / max(numbers[k, 3], SMALL * top)
+        numbers[k, 4] = ROW_PENALTY / max(numbers[k, 4], SMALL * top)
+
+
+@inline_kernel
+def _solve_parts(
+    M: FloatArray, free: FloatArray, J: FloatArray, b: FloatArray, table: IntArray, numbers: FloatArray,
+    part_of_tree: IntArray, tree_of: IntArray, parts: int, tol: float, x: FloatArray, told: FloatArray,
+) -> None:  # fmt: skip
+    """Solve every connected part: x (m,) impulses and free (nv,) velocities are replaced."""
+    nv, m, count = free.size, b.size, table.shape[0]
+    dofs, members = np.empty(nv, np.int64), np.empty(count, np.int64)
+    for part in range(parts):
+        n = few = rows = 0
+        for j in range(nv):
+            if part_of_tree[tree_of[j]] == part:
+                dofs[n] = j
+                n += 1
+        for k in range(count):
+            if table[k, 3] == part:
+                members[few] = k
+                few += 1
+                rows += table[k, 1]
+        own_M, own_J = np.empty((n, n)), np.empty((rows, n))
+        own_table, own_numbers = np.empty((few, 4), np.int64), np.empty((few, 6))
+        vectors, v, start = np.empty((3, rows)), np.empty(n), np.empty(n)
+        own_b, own_x, best = vectors[0], vectors[1], vectors[2]
+        for i in range(n):
+            start[i] = free[dofs[i]]
+            for j in range(n):
+                own_M[i, j] = M[dofs[i], dofs[j]]
+        at = 0
+        for c in range(few):
+            k = members[c]
+            for a in range(4):
+                own_table[c, a] = table[k, a]
+            for a in range(6):
+                own_numbers[c, a] = numbers[k, a]
+            own_table[c, 2] = at
+            for a in range(table[k, 1]):
+                i = table[k, 2] + a
+                own_b[at], own_x[at] = b[i], x[i]
+                for j in range(n):
+                    own_J[at, j] = J[i, dofs[j]]
+                at += 1
+        least, speed = np.inf, 0.0
+        for attempt in ROW_ATTEMPTS:
+            trial = own_x.copy()
+            if not attempt[1]:
+                for c in range(few):
+                    if own_table[c, 0] != SOFT_ROWS:
+                        for i in range(own_table[c, 2], own_table[c, 2] + own_table[c, 1]):
+                            trial[i] = 0.0
+            trial_v = start.copy()
+            used, error, speed = solve_part(
+                own_M, trial_v, own_J, own_b, own_table, own_numbers, attempt[0], tol, trial
+            )
+            told[STEPS] += used
+            if error < least:
+                least = error
+                for i in range(rows):
+                    best[i] = trial[i]
+                for i in range(n):
+                    v[i] = trial_v[i]
+            if least <= tol:
+                break
+        if not least < np.inf:
+            for i in range(rows):
+                best[i] = 0.0
+            for i in range(n):
+                v[i] = start[i]
+        told[ERROR], told[SPEED] = max(told[ERROR], least), max(told[SPEED], speed)
+        told[UNSOLVED] += 0.0 if least <= tol else 1.0
+        at = 0
+        for c in range(few):
+            k = members[c]
+            for a in range(table[k, 1]):
+                x[table[k, 2] + a] = best[at]
+                at += 1
+        for i in range(n):
+            free[dofs[i]] = v[i]
+
+
+@inline_kernel
+def _push(
+    floats: FloatArray, at: IntArray, settings: FloatArray, M: FloatArray, J: FloatArray, table: IntArray,
+    blocks: int, u: FloatArray, numbers: FloatArray, part_of_tree: IntArray, tree_of: IntArray, parts: int,
+    told: FloatArray, push: FloatArray,
+) -> None:  # fmt: skip
+    """Fill the velocity (nv,) that undoes the share of the violations, beside the motion's own; 0 for none."""
+    m, nv = u.size, push.size
+    for j in range(nv):
+        push[j] = 0.0
+    own, b, picked = np.empty((m, 4), np.int64), np.empty(m), np.empty(m, np.int64)
+    count, worst = violation_rows(floats, at, settings, table, blocks, u, own, b, picked)
+    told[VIOLATION] = worst
+    if not worst > SMALL or settings[SHARE] == 0.0:
+        return
+    rows, own_numbers = np.empty((count, nv)), np.zeros((count, 6))
+    c = 0
+    for k in range(blocks):
+        if c < count and picked[c] == table[k, 2]:
+            own[c, 3] = table[k, 3]
+            own_numbers[c, 2], own_numbers[c, 3] = numbers[k, 2], numbers[k, 3]
+            for j in range(nv):
+                rows[c, j] = J[picked[c], j]
+            c += 1
+    x, unused = np.zeros(count), np.zeros(6)
+    _solve_parts(
+        M, push, rows, b[:count], own[:count], own_numbers, part_of_tree, tree_of, parts, settings[TOL], x, unused
+    )
+
+
+@kernel
+def exact_stage(
+    floats: FloatArray, words: IntArray, halves: IntArray, fixed: IntArray, arena: IntArray,
+    layout: IntArray, count: int, settings: FloatArray, soft: FloatArray, damping: FloatArray,
+    dense: FloatArray, memory: tuple[IntArray, IntArray, FloatArray], told: FloatArray, push: FloatArray,
+) -> int:  # fmt: skip
+    """Fill MuJoCo's constraint forces, accelerations and the push; return the connected parts not solved.
+
+    Parameters
+    ----------
+    floats, words, halves
+        All memory, see `addresses`.
+    fixed, arena, layout
+        Places of arrays that stay, words of those that move, and places within a contact.
+    count
+        Number of rows.
+    settings, soft
+        See `rows`.
+    damping
+        (nv,) what Euler's method takes implicitly [N s/m, N m s/rad], or none.
+    dense
+        (nv, nv) inertia of the implicit integrators, or none.
+    memory
+        Keys, places and impulses of the last step's blocks; `told` keeps their number.
+    told
+        (8,) what the stage tells, see `ERROR`; the last is the number of blocks in the memory.
+    push
+        (nv,) velocity of the positions alone [m/s, rad/s].
+    """
+    nv, h = int(fixed[NV]), settings[STEP]
+    qvel = window(floats, fixed[QVEL], 1, nv)[0]
+    at = np.empty(11, np.int64)
+    for a in range(11):
+        size = 4 if a == TYPE or a == ID else 8
+        at[a] = (words[fixed[STRUCT] + arena[a]] - FIRST_BYTE) // size
+    rows, starts, tree_of = np.empty(nv, np.int64), np.empty(nv, np.int64), np.empty(nv, np.int64)
+    for i in range(nv):
+        rows[i], starts[i] = halves[fixed[ROWS] + i], halves[fixed[STARTS] + i]
+        tree_of[i] = halves[fixed[TREES] + i]
+    size = int(fixed[NC])
+    columns, factors = np.empty(size, np.int64), np.empty(size)
+    mass = window(floats, fixed[MASS], 1, size)[0]
+    for a in range(size):
+        columns[a], factors[a] = halves[fixed[COLUMNS] + a], mass[a]
+    J, b, scale, x = np.empty((count, nv)), np.empty(count), np.empty(count), np.empty(count)
+    keys, table, numbers = np.empty((count, 3), np.int64), np.empty((count, 4), np.int64), np.zeros((count, 6))
+    restore_margins(floats, halves, at, layout, count, settings, soft)
+    blocks = read_blocks(
+        floats, halves, at, layout, count, settings, soft, qvel, J, b, scale, keys, table, numbers
+    )
+    table, numbers = table[:blocks], numbers[:blocks]
+    find_impulses(keys, table, blocks, memory[0], memory[2], memory[1], int(told[7]), x)
+    for k in range(blocks):
+        if table[k, 0] == SOFT_ROWS:
+            for i in range(table[k, 2], table[k, 2] + table[k, 1]):
+                x[i] = floats[at[SOFTNESS] + i] * scale[i] * scale[i]
+    if not factor_tree(factors, rows, starts, columns):
+        return -1
+    _weights(J, table, numbers, factors, rows, starts, columns)
+    for a in range(6):
+        told[a] = 0.0
+    told[BLOCKS] = blocks
+    trees = np.empty(int(fixed[NTREE]), np.int64)
+    parts = count_parts(table, trees, J, tree_of)
+    M, v = np.empty((nv, nv)), np.empty(nv)
+    start = window(floats, fixed[QVEL] if settings[START] == 0.0 else int(settings[START]), 1, nv)[0]
+    _free_motion(floats, fixed, mass, rows, starts, columns, damping, dense, h, start, M, v)
+    _solve_parts(M, v, J, b, table, numbers, trees, tree_of, parts, settings[TOL], x, told)
+    if parts == 0:
+        for i in range(count):
+            x[i] = 0.0
+    u = np.empty(count)
+    for i in range(count):
+        total = 0.0
+        for j in range(nv):
+            total += J[i, j] * v[j]
+        u[i] = total
+    _push(
+        floats, at, settings, M, J, table, blocks, u, numbers, trees, tree_of, parts, told, push
+    )
+    _write_back(floats, fixed, at, x, J, scale, h, rows, starts, columns, factors)
+    for k in range(blocks):
+        memory[1][k, 0], memory[1][k, 1] = table[k, 2], table[k, 1]
+        for a in range(3):
+            memory[0][k, a] = keys[k, a]
+    for i in range(count):
+        memory[2][i] = x[i]
+    told[7] = blocks
+    return int(told[UNSOLVED])
+
+
+@inline_kernel
+def _free_motion(
+    floats: FloatArray, fixed: IntArray, mass: FloatArray, rows: IntArray, starts: IntArray,
+    columns: IntArray, damping: FloatArray, dense: FloatArray, h: float, qvel: FloatArray, M: FloatArray,
+    v: FloatArray,
+) -> None:  # fmt: skip
+    """Fill the inertia of the integrator, and the velocities without impulses."""
+    n, damped = v.size, False
+    for i in range(damping.size):
+        damped = damped or damping[i] != 0.0
+    if dense.shape[0] > 0:
+        for i in range(n):
+            for j in range(n):
+                M[i, j] = dense[i, j]
+    else:
+        dense_inertia(mass, rows, starts, columns, damping, h, M)
+    if dense.shape[0] == 0 and not damped:
+        for i in range(n):
+            v[i] = qvel[i] + h * floats[fixed[QACC_SMOOTH] + i]
+        return
+    for i in range(n):
+        v[i] = h * floats[fixed[QFRC_SMOOTH] + i]
+    if dense.shape[0] > 0:
+        order, whole = np.empty(n, np.int64), M.copy()
+        if factor_lu(whole, order):
+            apply_lu(whole, order, v)
+    else:
+        factors = mass.copy()
+        for i in range(n):
+            factors[starts[i] + rows[i] - 1] += h * damping[i]
+        factor_tree(factors, rows, starts, columns)
+        solve_tree(factors, rows, starts, columns, v)
+    for i in range(n):
+        v[i] += qvel[i]
+
+
+@inline_kernel
+def _write_back(
+    floats: FloatArray, fixed: IntArray, at: IntArray, x: FloatArray, J: FloatArray, scale: FloatArray,
+    h: float, rows: IntArray, starts: IntArray, columns: IntArray, factors: FloatArray,
+) -> None:  # fmt: skip
+    """Fill efc_force, qfrc_constraint and qacc = qacc_smooth + M⁻¹ qfrc_constraint."""
+    n = rows.size
+    force = np.zeros(n)
+    for i in range(x.size):
+        floats[at[FORCE] + i] = scale[i] * x[i] / h
+        if x[i] != 0.0:
+            for j in range(n):
+                force[j] += J[i, j] * x[i]
+    for j in range(n):
+        force[j] /= h
+        floats[fixed[QFRC_CONSTRAINT] + j] = force[j]
+    solve_tree(factors, rows, starts, columns, force)
+    for j in range(n):
+        floats[fixed[QACC] + j] = floats[fixed[QACC_SMOOTH] + j] + force[j]

@@ -1,0 +1,65 @@
+"""LU factors that are kept, and the factors of a tree's inertia, against NumPy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from surefoot.base.kernels import kernel
+from surefoot.base.numerics.lu_factors import apply_lu, factor_lu
+from surefoot.base.numerics.tree_factor import factor_tree, half_solve_tree, solve_tree
+
+
+@pytest.mark.parametrize("n", [1, 5, 24, 37])
+def test_lu_factors_serve_many_right_sides(n: int) -> None:
+    """A x = b for several b from one elimination; a singular matrix is refused."""
+    rng = np.random.default_rng(n)
+    A = rng.normal(size=(n, n))
+    kept, order = A.copy(), np.zeros(n, np.int64)
+    assert factor_lu(kept, order)
+    for _ in range(3):
+        b = rng.normal(size=n)
+        x = b.copy()
+        apply_lu(kept, order, x)
+        np.testing.assert_allclose(A @ x, b, atol=1e-9)
+    assert not factor_lu(np.zeros((n, n)), order)
+
+
+@kernel
+def _solve(
+    values: np.ndarray, count: np.ndarray, start: np.ndarray, column: np.ndarray, x: np.ndarray, half: np.ndarray
+) -> bool:
+    if not factor_tree(values, count, start, column):
+        return False
+    half_solve_tree(values, count, start, column, half)
+    for i in range(half.size):
+        half[i] *= half[i] / values[start[i] + count[i] - 1]
+    solve_tree(values, count, start, column, x)
+    return True
+
+
+def test_the_factors_of_a_tree_solve_and_weigh() -> None:
+    """M⁻¹ x and x · M⁻¹ x of a branching tree; a matrix that is not definite is refused."""
+    parents = np.array([-1, 0, 1, 1, 3, 0, 5])
+    n, rng = len(parents), np.random.default_rng(1)
+    chains = []
+    for i in range(n):
+        chain, at = [i], i
+        while parents[at] >= 0:
+            at = int(parents[at])
+            chain.append(at)
+        chains.append(sorted(chain))
+    lower = np.eye(n)
+    for i, chain in enumerate(chains):
+        lower[i, chain[:-1]] = rng.normal(size=len(chain) - 1)
+    M = lower.T @ np.diag(rng.uniform(1.0, 2.0, n)) @ lower
+    count = np.array([len(c) for c in chains])
+    start = np.concatenate([[0], np.cumsum(count)[:-1]])
+    column = np.concatenate(chains)
+    values = np.concatenate([M[i, c] for i, c in enumerate(chains)])
+    b = rng.normal(size=n)
+    x, half = b.copy(), b.copy()
+    assert _solve(values, count, start, column, x, half)
+    np.testing.assert_allclose(M @ x, b, atol=1e-12)
+    assert half.sum() == pytest.approx(b @ np.linalg.solve(M, b), rel=1e-12)
+    assert not _solve(-np.ones(len(column)), count, start, column, x, half)
