@@ -62,7 +62,9 @@ def float_by(height: float) -> Callable[[Motion, np.random.Generator], Spoilt]:
     return spoil
 
 
-def levitate(height: float, time: float = 0.6, ramp: float = 0.1) -> Callable[[Motion, np.random.Generator], Spoilt]:
+def levitate(
+    height: float, time: float = 0.6, ramp: float = 0.1
+) -> Callable[[Motion, np.random.Generator], Spoilt]:
     """Return the corruption that lifts the motion for a while [m, s], up and down in `ramp` each."""
 
     def spoil(motion: Motion, rng: np.random.Generator) -> Spoilt:

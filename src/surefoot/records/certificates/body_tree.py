@@ -126,9 +126,21 @@ def place_bodies(tree: BodyTree, q: FloatArray, turns: FloatArray, origins: Floa
             slide = q[k, i] if kind == SLIDES else 0.0
             if kind == FREE:
                 x, y, z, w = q[k, i + 3], q[k, i + 4], q[k, i + 5], q[k, i + 6]
-                own[0, 0], own[0, 1], own[0, 2] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)
-                own[1, 0], own[1, 1], own[1, 2] = 2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)
-                own[2, 0], own[2, 1], own[2, 2] = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
+                own[0, 0], own[0, 1], own[0, 2] = (
+                    1 - 2 * (y * y + z * z),
+                    2 * (x * y - w * z),
+                    2 * (x * z + w * y),
+                )
+                own[1, 0], own[1, 1], own[1, 2] = (
+                    2 * (x * y + w * z),
+                    1 - 2 * (x * x + z * z),
+                    2 * (y * z - w * x),
+                )
+                own[2, 0], own[2, 1], own[2, 2] = (
+                    2 * (x * z - w * y),
+                    2 * (y * z + w * x),
+                    1 - 2 * (x * x + y * y),
+                )
             elif kind == SLIDES:
                 own[:] = np.eye(3)
             else:

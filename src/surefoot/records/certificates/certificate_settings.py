@@ -17,11 +17,17 @@ class CertificateSettings(Settings):
     stick: float = setting(0.15, "m/s", "speed of a point up to which it may stick", low=0.0)
     arm: float = setting(0.3, "m", "length by which moments are divided", low=1e-6)
     impossible: float = setting(0.1, "m g", "residual from which a frame is impossible", low=0.0)
-    floor: float = setting(0.03, "m g", "residual up to which a frame is possible, however clean its data", low=0.0)
-    sigmas: float = setting(3.0, "-", "residual up to which it is possible, in deviations of the noise", low=0.0)
+    floor: float = setting(
+        0.03, "m g", "residual up to which a frame is possible, however clean its data", low=0.0
+    )
+    sigmas: float = setting(
+        3.0, "-", "residual up to which it is possible, in deviations of the noise", low=0.0
+    )
     window: float = setting(0.1, "s", "length of the window of clean data", low=1e-3)
     mean: float = setting(1.0 / 30.0, "s", "time over which the momentum at its ends is averaged", low=1e-4)
-    long_window: float = setting(0.2, "s", "length of the window of noisy data, both means included", low=1e-3)
+    long_window: float = setting(
+        0.2, "s", "length of the window of noisy data, both means included", low=1e-3
+    )
     quiet: float = setting(0.02, "m g", "noise of the needed wrench above which windows grow", low=0.0)
     at_stop: float = setting(0.03, "rad", "distance to a stop within which it may carry any torque", low=0.0)
     overspeed: float = setting(1.1, "-", "share of its speed limit above which a motor only brakes", low=1.0)

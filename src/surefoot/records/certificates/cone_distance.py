@@ -2,14 +2,14 @@
 
 A vector b in R^d shall be a sum of forces f_k in second-order cones K_k (``|f_t| <= mu f_n``; mu 0 is a ray),
 each through its map G_k (d, 3). The nearest sum leaves ``r = b - sum G_k f_k``, and r is its own certificate
-(Moreau): ``G_k^T r`` lies in the polar of every K_k, so that for all other forces ``r.b / |r|`` is a lower bound
-of what they leave. The dual of the problem with ``eps/2 |f|^2`` added is smooth and convex in r::
+(Moreau): ``G_k^T r`` lies in the polar of every K_k, so that for all other forces ``r.b / |r|`` is a lower
+bound of what they leave. The dual of the problem with ``eps/2 |f|^2`` added is smooth and convex in r::
 
     min_r  1/2 |r|^2 - b.r + 1/(2 eps) sum |P_k(G_k^T r)|^2,        f_k = P_k(G_k^T r) / eps
 
-(P_k projects on K_k). Its gradient is piecewise smooth; Newton's steps are damped by the slope along them, and
-eps falls in stages. What is returned is proven apart from all of that: forces are in their cones by construction,
-and the caller measures both bounds from them and from r.
+(P_k projects on K_k). Its gradient is piecewise smooth; Newton's steps are damped by the slope along them,
+and eps falls in stages. What is returned is proven apart from all of that: forces are in their cones by
+construction, and the caller measures both bounds from them and from r.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.kernels import inline_kernel, kernel
+from surefoot.base.numerics.cholesky import cholesky, solve_lower, solve_upper
 
 STAGES = np.array([1e-2, 1e-4, 1e-6, 1e-8])
 """eps of the stages, for vectors and forces of order one [-]."""
@@ -31,7 +32,7 @@ def project_on_cone(u: FloatArray, mu: float, out: FloatArray) -> float:
     if mu <= 0.0:
         out[0], out[1], out[2] = 0.0, 0.0, max(u[2], 0.0)
         return 0.0
-    side = np.hypot(u[0], u[1])
+    side: float = np.hypot(u[0], u[1])
     if side <= mu * u[2]:
         out[0], out[1], out[2] = u[0], u[1], u[2]
         return -1.0
@@ -92,7 +93,11 @@ def _bend(
             x, y, q = u[k, 0] / side, u[k, 1] / side, 1.0 / (1.0 + m * m)
             # across the generator the boundary is curved: mu f_n / |u_t|
             curve = m * normal / side
-            D[0, 0], D[0, 1], D[0, 2] = q * m * m * x * x + curve * y * y, (q * m * m - curve) * x * y, q * m * x
+            D[0, 0], D[0, 1], D[0, 2] = (
+                q * m * m * x * x + curve * y * y,
+                (q * m * m - curve) * x * y,
+                q * m * x,
+            )
             D[1, 1], D[1, 2], D[2, 2] = q * m * m * y * y + curve * x * x, q * m * y, q
             D[1, 0], D[2, 0], D[2, 1] = D[0, 1], D[0, 2], D[1, 2]
         for i in range(d):
@@ -102,25 +107,6 @@ def _bend(
             c2 = (a0 * D[0, 2] + a1 * D[1, 2] + a2 * D[2, 2]) / eps
             for j in range(i + 1):
                 H[i, j] += c0 * maps[k, 0, j] + c1 * maps[k, 1, j] + c2 * maps[k, 2, j]
-
-
-@inline_kernel
-def _solve_in_place(H: FloatArray, d: int, x: FloatArray) -> None:
-    """Replace (d,) x by H^-1 x, H's lower half by its Cholesky factor."""
-    for i in range(d):
-        for j in range(i + 1):
-            total = H[i, j]
-            for k in range(j):
-                total -= H[i, k] * H[j, k]
-            H[i, j] = np.sqrt(max(total, 1e-300)) if i == j else total / H[j, j]
-    for i in range(d):
-        for k in range(i):
-            x[i] -= H[i, k] * x[k]
-        x[i] /= H[i, i]
-    for i in range(d - 1, -1, -1):
-        for k in range(i + 1, d):
-            x[i] -= H[k, i] * x[k]
-        x[i] /= H[i, i]
 
 
 @kernel
@@ -163,7 +149,9 @@ def nearest_sum(
                 break
             steps += 1
             _bend(maps, mu, count, d, eps, u, H)
-            _solve_in_place(H, d, step)
+            cholesky(H[:d, :d])
+            solve_lower(H[:d, :d], step[:d])
+            solve_upper(H[:d, :d], step[:d])
             begin = 0.0
             for i in range(d):
                 begin += slope[i] * step[i]

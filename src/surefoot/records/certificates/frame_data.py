@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,25 +19,20 @@ from surefoot.records.certificates.body_tree import (
     body_tree,
 )
 from surefoot.records.certificates.certificate_settings import CertificateSettings
-from surefoot.records.certificates.frame_kernels import (
-    Answer,
-    MotorArrays,
-    PointArrays,
-    Rules,
-    solve_frames,
-)
+from surefoot.records.certificates.contact_cones import PointArrays, Rules
+from surefoot.records.certificates.frame_kernels import Answer, solve_frames
 from surefoot.records.certificates.point_kernels import point_centres, slide_speeds
+from surefoot.records.certificates.torque_rows import MotorArrays
 from surefoot.records.certificates.touching_points import TouchingPoints
 from surefoot.records.certificates.window_kernels import MotionArrays, Window, fill_momenta, frame_weights
 from surefoot.records.motions.motion import Motion
 
 
 class Noise(NamedTuple):
-    """White noise of a motion's data: of the needed wrench [m g], of joints [rad] and of places [m]."""
+    """White noise of a motion's data: of the needed wrench [m g] and of joint angles [rad]."""
 
     wrench: float
     joints: float
-    places: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,16 +55,19 @@ class FrameData:
         count, reach = len(self.motion.com), self.window.reach
         return np.arange(reach, max(count - reach, reach), dtype=np.int64)
 
-    def solve(self, frames: IntArray, **rules: float) -> Answer:
+    def solve(self, frames: IntArray, **rules: Any) -> Answer:
         """Return the answers of some frames, under rules of which some may be others."""
         count, joints = len(self.motion.com), len(self.motion.joints)
         answer = Answer(
-            *(np.full(count, np.nan) for _ in range(2)),
+            np.full(count, np.nan),
+            np.full(count, np.nan),
             np.full((count, 6), np.nan),
             np.zeros((count, joints)),
             np.full((count, 6), np.nan),
-            *(np.zeros(count, dtype=np.int64) for _ in range(2)),
-            *(np.full(count, np.nan) for _ in range(2)),
+            np.zeros(count, dtype=np.int64),
+            np.zeros(count, dtype=np.int64),
+            np.full(count, np.nan),
+            np.full(count, np.nan),
         )
         chosen = self.rules._replace(**rules)
         solve_frames(
@@ -90,10 +88,10 @@ def frame_data(
         settings.clearance, settings.stick, 1.0, *sliding_mu, 1.0, True, float(tree.mass.sum()), settings.arm
     )
     chosen, noise = _window(arrays, rules, step, window, settings)
-    kept, rules = _point_arrays(points, arrays, terrain, step, chosen, rules)
+    kept = _point_arrays(points, arrays, terrain, step, chosen)
     return FrameData(
-        tree, arrays, kept, _motors(robot, arrays, step, noise, settings), _moves(tree, arrays.joints), chosen,
-        frame_weights(chosen), rules, noise,
+        tree, arrays, kept, _motors(robot, arrays, step, noise, settings), _moves(tree, arrays.joints),
+        chosen, frame_weights(chosen), rules, noise,
     )  # fmt: skip
 
 
@@ -117,8 +115,8 @@ def _motion_arrays(robot: Robot, tree: BodyTree, q: FloatArray, step: float) -> 
 def deviation(increments: FloatArray) -> FloatArray:
     """Return the white noise (n,) of the sums of (T, n) increments, by the median of their third differences.
 
-    A sum's fourth difference, whose noise has 70 times its variance, hardly knows of what a robot can do between
-    frames; of fewer than five increments nothing is known, and it is zero.
+    A sum's fourth difference, whose noise has 70 times its variance, hardly knows of what a robot can do
+    between frames; of fewer than five increments nothing is known, and it is zero.
     """
     if len(increments) < 5:
         return np.zeros(increments.shape[1])
@@ -145,7 +143,7 @@ def _window(
     if given is None and left_noise(sigma, window) > settings.quiet:
         half = 0.5 * settings.long_window
         window = window_of(half, half, step)
-    return window, Noise(left_noise(sigma, window), joints, 0.0)
+    return window, Noise(left_noise(sigma, window), joints)
 
 
 def left_noise(sigma: float, window: Window) -> float:
@@ -161,9 +159,9 @@ def window_of(length: float, mean: float, step: float) -> Window:
 
 
 def _point_arrays(
-    points: TouchingPoints, motion: MotionArrays, terrain: Terrain | None, step: float, window: Window, rules: Rules
-) -> tuple[PointArrays, Rules]:
-    """Return those points that come near the ground, and the rules with the noise of their speeds."""
+    points: TouchingPoints, motion: MotionArrays, terrain: Terrain | None, step: float, window: Window
+) -> PointArrays:
+    """Return those points that come near the ground, and feet."""
     body = points.joints - 1
     centres = point_centres(motion.turns, motion.origins, body, points.places)
     if terrain is None:
@@ -179,7 +177,7 @@ def _point_arrays(
     lowest = np.ascontiguousarray(centres - radii[:, None] * normals)
     return PointArrays(
         near, body, points.mu[near], lowest, np.ascontiguousarray(gaps[:, near]), normals, slides
-    ), rules
+    )
 
 
 NEAR = 0.3

@@ -24,9 +24,14 @@ def point_centres(turns: FloatArray, origins: FloatArray, body: IntArray, places
 
 @kernel
 def slide_speeds(
-    centres: FloatArray, rates: FloatArray, body: IntArray, radii: FloatArray, normals: FloatArray, step: float
+    centres: FloatArray,
+    rates: FloatArray,
+    body: IntArray,
+    radii: FloatArray,
+    normals: FloatArray,
+    step: float,
 ) -> FloatArray:
-    """Return the velocity along the ground (T - 1, p, 3) of what is lowest of spheres between frames [m/s]."""
+    """Return the velocity (T - 1, p, 3) along the ground of the lowest of spheres between frames [m/s]."""
     out = np.empty((centres.shape[0] - 1, body.shape[0], 3))
     level = normals.shape[0] == 1
     for k in range(out.shape[0]):

@@ -1,8 +1,8 @@
 """What a motion needs, averaged over a window: change of momentum less weight, and torques; compiled.
 
-Momenta stand between frames, from the bodies' own displacements, so that their difference over a window is the
-exact mean of the forces in it, impacts included. With a window of n intervals and means over m of them, the mean
-has the weights of a trapezoid: positive ones, so that it lies in a sum of cones if every force does.
+Momenta stand between frames, from the bodies' own displacements, so that their difference over a window is
+the exact mean of the forces in it, impacts included. With a window of n intervals and means over m of them,
+the mean has the weights of a trapezoid: positive ones, so that it lies in a sum of cones if every force does.
 """
 
 from __future__ import annotations
@@ -142,7 +142,10 @@ def frame_weights(window: Window) -> FloatArray:
         t = abs(i - window.reach)
         half, edge = 0.5 * window.length, 0.5 * window.mean
         out[i] = max(min(t + edge, half) - max(t - edge, -half), 0.0)
-    return out / out.sum()
+    total = out.sum()
+    for i in range(out.shape[0]):
+        out[i] /= total
+    return out
 
 
 @kernel
