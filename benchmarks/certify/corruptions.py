@@ -10,6 +10,8 @@ import numpy as np
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.records.motions.motion import Motion
 
+TOUCHES = 0.02
+"""Height by which a levitating frame is lifted at least: below that feet may touch, and push off [m]."""
 Spoilt = tuple[FloatArray, BoolArray]
 """Configurations (T, nq) and the frames (T,) that were touched."""
 
@@ -75,7 +77,7 @@ def levitate(
             share = np.clip(inside, 0.0, 1.0)
             lift += height * share * share * (3.0 - 2.0 * share)
         q[:, 2] += lift
-        return q, lift > 0.0
+        return q, lift > TOUCHES
 
     return spoil
 

@@ -153,11 +153,16 @@ class MotionReport:
             "notes": list(self.notes),
         }
 
+    def plain(self) -> dict[str, Any]:
+        """Return `as_dict` with None for what is not finite, as JSON has it."""
+        out: dict[str, Any] = _finite(self.as_dict())
+        return out
+
     def to_json(self, path: Path | str) -> Path:
         """Write verdict, segments and frames as JSON into a file and return its path."""
         place = path_of(path)
         columns = {name: _plain(values) for name, values in self.frames.columns().items()}
-        text = json.dumps({**_finite(self.as_dict()), "columns": columns}, indent=1)
+        text = json.dumps({**self.plain(), "columns": columns}, indent=1)
         with writing(place):
             place.write_text(text + "\n", encoding="utf-8")
         return place
