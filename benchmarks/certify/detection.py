@@ -20,7 +20,7 @@ from benchmarks.certify.corruptions import (
     warped,
 )
 from surefoot.base.arrays import BoolArray, FloatArray
-from surefoot.records import MotionReport
+from surefoot.records.certificates.motion_report import MotionReport
 from surefoot.records.motions.motion import Motion
 
 RATE = 30.0

@@ -61,7 +61,8 @@ def _print(console: Console, lawful: list[Executed], found: list[Detection], cou
     rows = [
         (
             one.what, str(one.frames), f"{100.0 * one.impossible / one.frames:.2f} %",
-            f"{100.0 * one.worst:.2f} %", f"{100.0 * one.possible / one.frames:.1f} %", str(one.torque), f"{one.speed:.0f}",
+            f"{100.0 * one.worst:.2f} %", f"{100.0 * one.possible / one.frames:.1f} %", str(one.torque),
+            f"{one.speed:.0f}",
         )
         for one in lawful
     ]  # fmt: skip
@@ -70,7 +71,7 @@ def _print(console: Console, lawful: list[Executed], found: list[Detection], cou
     lines = [
         (
             one.name, *_areas(one.frames), *_areas(one.clips),
-            "" if one.named != one.named else f"{100 * one.named:.0f} %",
+            _share(one.named),
             "" if one.holds else "less than expected",
         )
         for one in found
@@ -80,6 +81,10 @@ def _print(console: Console, lawful: list[Executed], found: list[Detection], cou
         "root jerk ", "cause named", "",
     )  # fmt: skip
     console.print(table(heads, lines, "Areas under the curve at 30 Hz against the same motions as executed"))
+
+
+def _share(value: float) -> str:
+    return "" if value != value else f"{100.0 * value:.0f} %"
 
 
 def _areas(values: tuple[float, ...]) -> list[str]:

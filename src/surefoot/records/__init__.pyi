@@ -2,8 +2,6 @@
 
 from .audit.auditor import audit_log as audit_log
 from .audit.summary.walk_summary import summarise_walk as summarise_walk
-from .certificates.certify import certify_motion as certify_motion
-from .certificates.motion_report import MotionReport as MotionReport
 from .identification.friction_tracker import FrictionTracker as FrictionTracker
 from .identification.thrown_body import ThrownBody as ThrownBody
 from .identification.thrown_body import TossParameter as TossParameter

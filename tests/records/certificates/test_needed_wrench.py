@@ -47,9 +47,19 @@ def test_needed_forces_and_torques_are_those_of_inverse_dynamics() -> None:
         robot, Motion(robot, q, rate), touching_points(robot, 0.8), (0.3, 0.8), None, 5.0 / rate, settings
     )
     k = 20
-    parts, wrench, torques = np.empty((len(data.tree.mass), 6)), np.empty(6), np.empty(robot.joints)
-    needed_wrench(data.tree, data.motion, data.window, data.weights, k, 1.0, parts, wrench, torques)
-    add_rotors(data.motion, data.motors, data.window, 1.0, k, torques)
+    parts, wrench, torques = np.empty((len(data.model.tree.mass), 6)), np.empty(6), np.empty(robot.joints)
+    needed_wrench(
+        data.model.tree,
+        data.model.motion,
+        data.model.window,
+        data.model.weights,
+        k,
+        1.0,
+        parts,
+        wrench,
+        torques,
+    )
+    add_rotors(data.model.motion, data.model.motors, data.model.window, 1.0, k, torques)
     v = pinocchio.difference(model, q[k - 1], q[k + 1]) * rate / 2.0
     after, before = (pinocchio.difference(model, q[i], q[i + 1]) * rate for i in (k, k - 1))
     tau = pinocchio.rnea(model, robot.data, q[k], v, (after - before) * rate)

@@ -68,7 +68,7 @@ def certify(
     with progress_bar(not as_json, "certify", float(len(files))) as show:
         found = certify_files(files, question, out, jobs, show)
     if as_json:
-        print(to_json([one.facts if one.error is None else _failed(one) for one in found]))
+        print(to_json([one.facts if one.error is None else _describe_failure(one) for one in found]))
     else:
         _print(plain_console(), found)
     if any(one.error is not None for one in found):
@@ -76,7 +76,7 @@ def certify(
     return 0 if all(one.facts["verdict"] == "possible" for one in found) else 1
 
 
-def _failed(one: Outcome) -> dict[str, str | None]:
+def _describe_failure(one: Outcome) -> dict[str, str | None]:
     """Return what the JSON says of a file that is wrong."""
     return {"file": one.file, "error": one.error}
 

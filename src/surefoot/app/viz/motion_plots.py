@@ -73,20 +73,20 @@ def _draw_robots(axis: Any, report: MotionReport) -> None:
     axis.set_aspect("equal")
     data, frames, q = report.data, report.frames, report.motion.q
     chosen = np.unique(np.linspace(0, len(q) - 1, min(STRIP, len(q))).astype(int))
-    height = max(float(np.ptp(data.motion.origins[..., 2])), 0.3)
+    height = max(float(np.ptp(data.model.motion.origins[..., 2])), 0.3)
     for place, k in enumerate(chosen):
         side = heading_of(q[k, 3:7])
-        flat = _seen(data.motion.origins[k] - [*q[k, :2], 0.0], side)
+        flat = _project(data.model.motion.origins[k] - [*q[k, :2], 0.0], side)
         flat[:, 0] += 0.9 * height * place
         colour = COLOURS[str(frames.verdict[k])]
-        for b, up in enumerate(data.tree.parent):
+        for b, up in enumerate(data.model.tree.parent):
             if up >= 0:
                 axis.plot(*zip(flat[up], flat[b], strict=True), color=colour, lw=1.6)
         missing = frames.force[k]
         if np.isfinite(missing).all() and frames.share[k] > report.possible:
-            start = _seen((data.motion.com[k] - [*q[k, :2], 0.0])[None], side)[0]
+            start = _project((data.model.motion.com[k] - [*q[k, :2], 0.0])[None], side)[0]
             start[0] += 0.9 * height * place
-            arrow = 0.5 * height * _seen(missing[None] / (data.rules.mass * GRAVITY), side)[0]
+            arrow = 0.5 * height * _project(missing[None] / (data.model.rules.mass * GRAVITY), side)[0]
             axis.annotate(
                 "", xy=start + arrow, xytext=start, arrowprops={"arrowstyle": "->", "color": FORCE, "lw": 1.5}
             )
@@ -94,7 +94,7 @@ def _draw_robots(axis: Any, report: MotionReport) -> None:
     axis.axhline(0.0, color=GROUND, lw=3.0, zorder=0)
 
 
-def _seen(points: FloatArray, side: FloatArray) -> FloatArray:
+def _project(points: FloatArray, side: FloatArray) -> FloatArray:
     """Return (n, 3) points from the side: along (2,) a heading, and up."""
     return np.stack([points[:, :2] @ side[:2], points[:, 2]], axis=1)
 

@@ -11,7 +11,7 @@ from surefoot.records.certificates.contact_cones import Contacts
 
 @inline_kernel
 def left_over(contacts: Contacts, count: int, b: FloatArray, forces: FloatArray) -> float:
-    """Return the size of what the contact forces leave of the wrench [m g]."""
+    """Return the size of what (count, 3) contact forces leave of the (6,) wrench [m g]."""
     total = 0.0
     for i in range(6):
         left = b[i]
@@ -26,7 +26,7 @@ def left_over(contacts: Contacts, count: int, b: FloatArray, forces: FloatArray)
 
 @inline_kernel
 def proven_bound(contacts: Contacts, count: int, d: int, b: FloatArray, r: FloatArray) -> float:
-    """Move r into the polar of all cones, to the last bit but rounding, and return r.b / |r| [m g].
+    """Move (d,) r into the polar of all cones, but for rounding, and return r.b / |r| [m g].
 
     A push down takes what is left over from every contact on ground that is not a wall; what a contact on a
     wall, or a ray of torque, still has makes the bound worthless, which is what it returns: 0.
@@ -59,7 +59,7 @@ def proven_bound(contacts: Contacts, count: int, d: int, b: FloatArray, r: Float
 
 @inline_kernel
 def largest_product(contacts: Contacts, c: int, d: int, r: FloatArray) -> float:
-    """Return the largest product of r with the forces of a cone per newton along its axis."""
+    """Return the largest product of (d,) r with the forces of a cone per newton along its axis."""
     u0, u1, u2 = 0.0, 0.0, 0.0
     for i in range(d):
         u2 += contacts.maps[c, 2, i] * r[i]

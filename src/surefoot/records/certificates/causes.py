@@ -14,6 +14,10 @@ STICKS = 1e9
 """Speed below which everything sticks, to ask what sliding is at fault for [m/s]."""
 ROUGH = 10.0
 """Factor on friction, to ask what it is at fault for [-]."""
+HELPS = 0.5
+"""Share of a residual that is left at most without sliding where sliding is at fault [-]."""
+CLEAR = 0.5
+"""Share of the limit below which friction that is not there explains a frame: more of it hides a moment."""
 FALLS = 0.9
 """Share of its weight that a stretch in the air needs on average at most while it falls, not hangs [m g]."""
 
@@ -44,8 +48,8 @@ def find_causes(
     cause, joint = np.full(count, "", dtype="<U24"), np.full(count, "", dtype="<U64")
     if not len(frames):
         return cause, joint
-    air = gaps[frames] > data.rules.clearance
-    weight = data.rules.mass * GRAVITY
+    air = gaps[frames] > data.model.rules.clearance
+    weight = data.model.rules.mass * GRAVITY
     for stretch in _stretches(frames[air]):
         falls = float(np.mean(answer.needed[stretch, 2])) / weight < FALLS
         cause[stretch] = "dynamics in flight" if falls else "hangs"
@@ -56,16 +60,17 @@ def find_causes(
         weak = weak[data.solve(weak, torques=False).share[weak] <= limit]
         for k in weak:
             j = worst[k]
-            fast = (data.motors.high[k, j] == 0.0) | (data.motors.low[k, j] == 0.0)
+            fast = (data.model.motors.high[k, j] == 0.0) | (data.model.motors.low[k, j] == 0.0)
             cause[k] = "speed" if fast else "torque of a joint"
             joint[k] = names[j]
         rest = np.setdiff1d(rest, weak)
     held = rest[answer.sliding[rest] > 0]
-    held = held[data.solve(held, stick=STICKS).share[held] <= limit]
+    stuck = data.solve(held, stick=STICKS).share[held]
+    held = held[stuck <= np.maximum(limit, HELPS * answer.share[held])]
     cause[held] = "slides"
     rest = np.setdiff1d(rest, held)
     rough = data.solve(rest, stick=STICKS, mu_scale=ROUGH).share
-    cause[rest] = np.where(rough[rest] <= limit, "friction", "tips over the sole")
+    cause[rest] = np.where(rough[rest] <= CLEAR * limit, "friction", "tips over the sole")
     return cause, joint
 
 

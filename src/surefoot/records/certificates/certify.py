@@ -12,7 +12,7 @@ from surefoot.base.errors import ProblemError
 from surefoot.mechanics import Robot, Terrain
 from surefoot.records.certificates.causes import find_causes
 from surefoot.records.certificates.certificate_settings import CertificateSettings
-from surefoot.records.certificates.frame_data import FrameData, frame_data
+from surefoot.records.certificates.frame_data import FrameData, frame_data, moving_mean
 from surefoot.records.certificates.frame_kernels import Answer
 from surefoot.records.certificates.frame_table import NO_WINDOW, FrameTable
 from surefoot.records.certificates.motion_report import MotionReport
@@ -44,7 +44,7 @@ def certify_motion(
     motion
         Configurations of that robot at an even rate, from `read_motion` or from arrays.
     mu
-        Friction of contacts that stick, a number or one a foot [-].
+        Friction of contacts that stick, a number or one a foot, (n,) [-].
     sliding_mu
         Least and largest friction of contacts that slide [-].
     terrain
@@ -72,21 +72,22 @@ def certify_motion(
         of_kind("terrain", terrain, Terrain)
     chosen = CertificateSettings() if settings is None else settings
     slides = _range(sliding_mu)
-    length = None if window is None else positive_number("window", window, "s")
-    checked = _checked(robot, motion)
+    given = None if window is None else positive_number("window", window, "s")
+    checked = _check_motion(robot, motion)
     friction: FloatArray | float = np.asarray(mu, dtype=np.float64)
     points = touching_points(robot, friction if np.ndim(mu) else real_number("mu", float(friction), low=0.0))
-    data = frame_data(robot, checked, points, slides, terrain, length, chosen)
+    data = frame_data(robot, checked, points, slides, terrain, given, chosen)
     answer = data.solve(data.frames)
     noise = chosen.sigmas * data.noise.wrench
     possible = min(max(chosen.floor, noise), chosen.impossible)
     impossible = max(chosen.impossible, noise)
     table = _table(robot, checked, data, answer, possible, impossible)
     segments = find_segments(data, answer, table, points.links, impossible)
+    length = data.model.window.length * data.model.window.step
+    notes = _notes(robot, checked, data, terrain, impossible, chosen)
     return MotionReport(
-        checked, table, segments, data.window.length * data.window.step, data.noise.wrench, possible,
-        impossible, _notes(robot, checked, data, terrain, impossible, chosen), chosen, data, points,
-    )  # fmt: skip
+        checked, table, segments, length, data.noise.wrench, possible, impossible, notes, chosen, data, points
+    )
 
 
 def _range(sliding_mu: Sequence[float]) -> tuple[float, float]:
@@ -98,7 +99,7 @@ def _range(sliding_mu: Sequence[float]) -> tuple[float, float]:
     return low, high
 
 
-def _checked(robot: Robot, motion: Motion) -> Motion:
+def _check_motion(robot: Robot, motion: Motion) -> Motion:
     """Return the motion with unit quaternions.
 
     Raises
@@ -130,8 +131,8 @@ def _table(
     verdict[judged] = "cannot tell"
     verdict[judged & (answer.share <= possible)] = "possible"
     verdict[judged & (answer.bound > impossible)] = "impossible"
-    lowest = data.points.gaps.min(axis=1) if data.points.gaps.shape[1] else np.full(count, np.inf)
-    names = robot.joint_names if len(data.motion.joints) == robot.joints else ()
+    lowest = data.model.points.gaps.min(axis=1) if data.model.points.gaps.shape[1] else np.full(count, np.inf)
+    names = robot.joint_names if len(data.model.motion.joints) == robot.joints else ()
     bad = np.flatnonzero(verdict == "impossible").astype(np.int64)
     cause, joint = find_causes(data, answer, bad, impossible, lowest, names)
     beyond = _beyond_stops(robot, motion)
@@ -154,11 +155,11 @@ def _beyond_stops(robot: Robot, motion: Motion) -> FloatArray:
 
 
 def _shaking(motion: Motion) -> FloatArray:
-    """Return the deviation of the base's place by its fourth difference: (T,) [m]."""
-    out = np.zeros(len(motion))
+    """Return the deviation of the base's place by its fourth difference, over five frames: (T,) [m]."""
+    square = np.zeros(len(motion))
     if len(motion) >= 5:
-        out[2:-2] = np.linalg.norm(np.diff(motion.q[:, :3], 4, axis=0), axis=1) / np.sqrt(70.0)
-    return out
+        square[2:-2] = (np.diff(motion.q[:, :3], 4, axis=0) ** 2).sum(axis=1) / (3.0 * 70.0)
+    return np.asarray(np.sqrt(np.maximum(moving_mean(square, 5), 0.0)))
 
 
 def _notes(

@@ -76,6 +76,23 @@ class Rules(NamedTuple):
     arm: float
 
 
+class Touch(NamedTuple):
+    """What may touch the ground in a window.
+
+    Attributes
+    ----------
+    points, sliding
+        Number of points, and of those that slide.
+    slowest, lowest
+        Speed of the slowest [m/s], and distance of the lowest point to the ground [m].
+    """
+
+    points: int
+    sliding: int
+    slowest: float
+    lowest: float
+
+
 class Contacts(NamedTuple):
     """The cones of one frame, with room for torque rows.
 
@@ -185,13 +202,12 @@ def _touch(
 @kernel
 def gather(
     motion: MotionArrays, points: PointArrays, window: Window, rules: Rules, k: int, contacts: Contacts
-) -> tuple[int, int, int, float, float]:
+) -> tuple[int, Touch]:
     """Fill the cones of frame k.
 
     Returns
     -------
-    Number of cones, of points that may touch, of points that slide; speed of the slowest and distance of the
-    lowest point to the ground [m/s, m].
+    Number of cones, and what touches.
     """
     first, last = k - window.reach, k + window.reach
     count, touching, sliding, slowest, lowest = 0, 0, 0, np.inf, np.inf
@@ -222,4 +238,4 @@ def gather(
                 for i in range(3):
                     axis[i] = normal[i] - mu * v[i] / size
                 count = _add(contacts, count, p, 0.0, axis, place, motion.com[k], rules.arm)
-    return count, touching, sliding, slowest, lowest
+    return count, Touch(touching, sliding, slowest, lowest)

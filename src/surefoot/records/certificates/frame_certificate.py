@@ -8,12 +8,9 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import GRAVITY
-from surefoot.records.certificates.contact_cones import MOST_ROWS, gather, room_for
 from surefoot.records.certificates.frame_data import FrameData
-from surefoot.records.certificates.frame_kernels import solve_frame
-from surefoot.records.certificates.torque_rows import add_rotors
+from surefoot.records.certificates.frame_kernels import solve_frame, workspace
 from surefoot.records.certificates.touching_points import TouchingPoints
-from surefoot.records.certificates.window_kernels import needed_wrench
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,53 +82,34 @@ def certificate_of(
     data: FrameData, points: TouchingPoints, joints: tuple[str, ...], k: int
 ) -> FrameCertificate:
     """Return the certificate of a frame whose window is whole, solved anew."""
-    count_joints, bodies = len(data.motion.joints), len(data.tree.mass)
-    contacts = room_for(len(data.points.body))
-    top = len(contacts.mu)
-    wrench, free = np.empty(6), np.empty(count_joints)
-    needed_wrench(
-        data.tree,
-        data.motion,
-        data.window,
-        data.weights,
-        k,
-        data.rules.pace,
-        np.empty((bodies, 6)),
-        wrench,
-        free,
-    )
-    add_rotors(data.motion, data.motors, data.window, data.rules.pace, k, free)
-    count = gather(data.motion, data.points, data.window, data.rules, k, contacts)[0]
-    b, r, forces = np.empty(6 + MOST_ROWS), np.empty(6 + MOST_ROWS), np.zeros((top, 3))
-    joint, torques = np.empty(MOST_ROWS, dtype=np.int64), np.empty(count_joints)
-    rows, share, bound = solve_frame(
-        data.tree, data.motion, data.points, data.motors, data.moves, data.window, data.rules, k, count,
-        contacts, wrench, free, b, r, forces, np.empty((top + 40, 6 + MOST_ROWS)), joint, torques,
-    )  # fmt: skip
+    model = data.model
+    work = workspace(len(model.points.body), len(model.tree.mass), len(model.motion.joints))
+    count, rows, share, bound, _ = solve_frame(model, k, work)
+    contacts, joint = work.contacts, work.joint
     d = 6 + rows
     # a torque below its lower limit counts as one above zero, too
     sign = np.concatenate([np.ones(6), np.where(joint[:rows] % 2 == 1, 1.0, -1.0)])
     rays = contacts.mu[:count] <= 0.0
-    force = forces[:count].copy()
+    force = work.forces[:count].copy()
     force[rays, :2] = 0.0
-    unit = data.rules.mass * GRAVITY * data.rules.arm
+    unit = model.rules.mass * GRAVITY * model.rules.arm
     return FrameCertificate(
         k,
-        k * data.window.step,
-        sign * b[:d],
+        k * model.window.step,
+        sign * work.b[:d],
         np.ascontiguousarray(np.moveaxis(contacts.maps[:count, :, :d] * sign, 2, 0)),
         contacts.mu[:count].copy(),
-        tuple(points.names[data.points.owner[p]] for p in contacts.point[:count]),
-        contacts.places[:count] + data.motion.com[k],
+        tuple(points.names[model.points.owner[p]] for p in contacts.point[:count]),
+        contacts.places[:count] + model.motion.com[k],
         contacts.frames[:count].copy(),
         force,
-        sign * r[:d],
+        sign * work.r[:d],
         float(share),
         float(bound),
         tuple(joints[n // 2] for n in joint[:rows]),
-        torques * unit,
-        data.motors.low[k].copy(),
-        data.motors.high[k].copy(),
-        data.rules.mass,
-        data.rules.arm,
+        work.torques * unit,
+        model.motors.low[k].copy(),
+        model.motors.high[k].copy(),
+        model.rules.mass,
+        model.rules.arm,
     )

@@ -20,7 +20,7 @@ from surefoot.records.certificates.body_tree import (
 )
 from surefoot.records.certificates.certificate_settings import CertificateSettings
 from surefoot.records.certificates.contact_cones import PointArrays, Rules
-from surefoot.records.certificates.frame_kernels import Answer, solve_frames
+from surefoot.records.certificates.frame_kernels import Answer, Model, solve_frames
 from surefoot.records.certificates.point_kernels import point_centres, slide_speeds
 from surefoot.records.certificates.torque_rows import MotorArrays
 from surefoot.records.certificates.touching_points import TouchingPoints
@@ -37,27 +37,20 @@ class Noise(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class FrameData:
-    """All arrays of a motion, and the rules that they are judged by."""
+    """All arrays of a motion with the rules that they are judged by, and the noise of the data."""
 
-    tree: BodyTree
-    motion: MotionArrays
-    points: PointArrays
-    motors: MotorArrays
-    moves: BoolArray
-    window: Window
-    weights: FloatArray
-    rules: Rules
+    model: Model
     noise: Noise
 
     @property
     def frames(self) -> IntArray:
-        """The frames whose windows lie in the motion."""
-        count, reach = len(self.motion.com), self.window.reach
+        """(n,) the frames whose windows lie in the motion."""
+        count, reach = len(self.model.motion.com), self.model.window.reach
         return np.arange(reach, max(count - reach, reach), dtype=np.int64)
 
     def solve(self, frames: IntArray, **rules: Any) -> Answer:
-        """Return the answers of some frames, under rules of which some may be others."""
-        count, joints = len(self.motion.com), len(self.motion.joints)
+        """Return the answers of (n,) frames, under rules of which some may be others."""
+        count, joints = len(self.model.motion.com), len(self.model.motion.joints)
         answer = Answer(
             np.full(count, np.nan),
             np.full(count, np.nan),
@@ -69,11 +62,7 @@ class FrameData:
             np.full(count, np.nan),
             np.full(count, np.nan),
         )
-        chosen = self.rules._replace(**rules)
-        solve_frames(
-            self.tree, self.motion, self.points, self.motors, self.moves, self.window, self.weights, chosen,
-            frames, answer,
-        )  # fmt: skip
+        solve_frames(self.model._replace(rules=self.model.rules._replace(**rules)), frames, answer)
         return answer
 
 
@@ -89,10 +78,11 @@ def frame_data(
     )
     chosen, noise = _window(arrays, rules, step, window, settings)
     kept = _point_arrays(points, arrays, terrain, step, chosen)
-    return FrameData(
-        tree, arrays, kept, _motors(robot, arrays, step, noise, settings), _moves(tree, arrays.joints),
-        chosen, frame_weights(chosen), rules, noise,
-    )  # fmt: skip
+    motors = _motors(robot, arrays, step, noise, settings)
+    model = Model(
+        tree, arrays, kept, motors, _moves(tree, arrays.joints), chosen, frame_weights(chosen), rules
+    )
+    return FrameData(model, noise)
 
 
 def _motion_arrays(robot: Robot, tree: BodyTree, q: FloatArray, step: float) -> MotionArrays:

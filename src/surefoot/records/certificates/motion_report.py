@@ -114,7 +114,7 @@ class MotionReport:
         """
         k = whole_number("frame", frame)
         if k >= len(self.frames) or self.frames.verdict[k] == NO_WINDOW:
-            reach = self.data.window.reach
+            reach = self.data.model.window.reach
             raise ProblemError(
                 f"frame must have a whole window: {reach} to {len(self.frames) - 1 - reach}, got {k}"
             )

@@ -60,7 +60,7 @@ def find_segments(
     bad = np.flatnonzero(table.verdict == "impossible")
     if not len(bad):
         return ()
-    gap = max(int(JOINED / data.window.step), 1)
+    gap = max(int(JOINED / data.model.window.step), 1)
     groups = np.split(bad, np.flatnonzero(np.diff(bad) > gap) + 1)
     return tuple(one for group in groups for one in _of_group(data, answer, table, links, limit, group))
 
@@ -99,7 +99,7 @@ def _cure(
         if share <= limit:
             return where, f"slow to {pace:.1f}" if pace else "slow down: standing still there is possible"
     if cause == "tips over the sole":
-        side = answer.wrench[worst, 3:5] / (data.rules.mass * GRAVITY)
+        side = answer.wrench[worst, 3:5] / (data.model.rules.mass * GRAVITY)
         return (
             where,
             f"no pace helps: bring the centre of mass {100.0 * float(np.linalg.norm(side)):.0f} cm nearer",
@@ -115,7 +115,7 @@ def _most(values: FloatArray) -> float:
 
 def _flight(data: FrameData, answer: Answer, frames: IntArray) -> str:
     """Return what gravity asks of a flight."""
-    falls = GRAVITY - float(np.median(answer.needed[frames, 2])) / data.rules.mass
+    falls = GRAVITY - float(np.median(answer.needed[frames, 2])) / data.model.rules.mass
     if falls <= 0.0:
         return "it does not fall in the air: shorten the flight"
     pace = float(np.sqrt(GRAVITY / falls))
@@ -124,10 +124,10 @@ def _flight(data: FrameData, answer: Answer, frames: IntArray) -> str:
 
 def _slider(data: FrameData, k: int) -> tuple[int, float]:
     """Return the point near the ground that slides most slowly at a frame, and its speed [m/s]."""
-    near = np.flatnonzero(data.points.gaps[k] <= data.rules.clearance)
+    near = np.flatnonzero(data.model.points.gaps[k] <= data.model.rules.clearance)
     if not len(near):
-        near = np.array([int(np.argmin(data.points.gaps[k]))])
-    at = min(k, len(data.points.slides) - 1)
-    speeds = np.linalg.norm(data.points.slides[at, near], axis=1)
+        near = np.array([int(np.argmin(data.model.points.gaps[k]))])
+    at = min(k, len(data.model.points.slides) - 1)
+    speeds = np.linalg.norm(data.model.points.slides[at, near], axis=1)
     best = int(np.argmin(speeds))
-    return int(data.points.owner[near[best]]), float(speeds[best])
+    return int(data.model.points.owner[near[best]]), float(speeds[best])

@@ -77,9 +77,9 @@ def _row(
 @inline_kernel
 def add_torque_row(
     tree: BodyTree, motion: MotionArrays, k: int, points: PointArrays, contacts: Contacts, count: int,
-    moves: BoolArray, j: int, row: int, rows: int, sign: float, arm: float,
+    moves: BoolArray, j: int, row: int, sign: float, arm: float,
 ) -> None:  # fmt: skip
-    """Fill dimension 6 + row of all maps with joint j, and behind the cones a ray of lesser torques."""
+    """Fill dimension 6 + row of the maps (c, 3, d) with joint j, and behind the cones a ray of lesser torques."""
     axis, place, one = np.empty(3), np.empty(3), np.zeros(3)
     joint_line(tree, motion, j, k, axis, place)
     kind = tree.kind[motion.joints[j]]
@@ -91,7 +91,7 @@ def add_torque_row(
             contacts.maps[c, a, 6 + row] = _row(kind, axis, place, contacts, c, one) / arm if on else 0.0
     at = count + row
     contacts.mu[at] = 0.0
-    for other in range(rows + 1):
+    for other in range(row + 1):
         contacts.maps[count + other, 2, 6 + row] = 0.0
         contacts.maps[at, 2, 6 + other] = 0.0
     for i in range(6):

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray, per_contact
 from surefoot.base.errors import ProblemError
-from surefoot.mechanics import Robot, robot_geometry
+from surefoot.mechanics import Robot, Solid, robot_geometry
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +46,18 @@ class TouchingPoints:
         return len(self.joints)
 
 
+_KNOWN: WeakKeyDictionary[Robot, tuple[Solid, ...]] = WeakKeyDictionary()
+"""Shapes of robots that were asked about: fitting them to meshes takes longer than a short motion."""
+
+
+def _solids(robot: Robot) -> tuple[Solid, ...]:
+    """Return the shapes of a robot that may touch the ground beside its feet."""
+    if robot not in _KNOWN:
+        every = robot_geometry(robot).solids
+        _KNOWN[robot] = tuple(solid for solid in every if solid.on_ground and solid.joint > 0)
+    return _KNOWN[robot]
+
+
 def touching_points(robot: Robot, mu: float | FloatArray) -> TouchingPoints:
     """Return the points of a robot that may touch the ground.
 
@@ -56,7 +69,7 @@ def touching_points(robot: Robot, mu: float | FloatArray) -> TouchingPoints:
     robot
         Any with a floating base.
     mu
-        Friction of what sticks, a number or one a foot [-]; other parts have the largest.
+        Friction of what sticks, a number or one a foot, (n,) [-]; other parts have the largest.
 
     Raises
     ------
@@ -70,9 +83,7 @@ def touching_points(robot: Robot, mu: float | FloatArray) -> TouchingPoints:
     largest = float(np.max(mu)) if np.size(mu) else 0.0
     links = [name.rsplit(":", 1)[0] for name in feet.names]
     joints, places, radii = [feet.joints], [feet.places], [feet.radii]
-    for solid in robot_geometry(robot).solids:
-        if not solid.on_ground or solid.joint == 0:
-            continue
+    for solid in _solids(robot):
         knots = solid.shape.knots() @ solid.rotation.T + solid.position
         links += [solid.name] * len(knots)
         joints.append(np.full(len(knots), solid.joint))
