@@ -65,7 +65,7 @@ def float_by(height: float) -> Callable[[Motion, np.random.Generator], Spoilt]:
 
 
 def levitate(
-    height: float, time: float = 0.6, ramp: float = 0.1
+    height: float, time: float = 0.6, ramp: float = 0.05
 ) -> Callable[[Motion, np.random.Generator], Spoilt]:
     """Return the corruption that lifts the motion for a while [m, s], up and down in `ramp` each."""
 

@@ -87,7 +87,8 @@ def certify_file(path: Path, question: Question, folder: Path | None) -> list[Ou
             return [Outcome(str(path), one, kept=True) for one in facts]
         return [Outcome(str(path), one) for one in _certify(path, question, kept)]
     except SurefootError as error:
-        return [Outcome(str(path), {}, error=one_line(error))]
+        said = one_line(error)
+        return [Outcome(str(path), {}, error=said if str(path) in said else f"{path}: {said}")]
 
 
 def _place(path: Path, question: Question, folder: Path) -> Path:

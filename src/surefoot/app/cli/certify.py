@@ -54,7 +54,8 @@ def certify(
 ) -> int:
     """Tell whether the ground and the motors could give the forces of motions, which frames not, and why.
 
-    Exit code 0 if all are possible, 1 if one is not or cannot be told, 2 for wrong input.
+    Exit code 0 if all are possible, 1 if one is not or cannot be told, 2 for wrong input; the other files are
+    certified all the same.
     """
     from surefoot.app.cli.certified_files import Question, certify_files
 
@@ -71,8 +72,9 @@ def certify(
         print(to_json([one.facts if one.error is None else _describe_failure(one) for one in found]))
     else:
         _print(plain_console(), found)
-    if any(one.error is not None for one in found):
-        return 2
+    wrong = [one.error for one in found if one.error is not None]
+    if wrong:
+        raise ProblemError("; ".join(wrong))
     return 0 if all(one.facts["verdict"] == "possible" for one in found) else 1
 
 
@@ -88,14 +90,11 @@ def _print(console: Console, found: list[Outcome]) -> None:
         _print_one(console, judged[0].facts)
     elif judged:
         ranked = sorted(judged, key=lambda one: _score(one.facts))
-        console.print(table(HEADER, [_row(one.facts) for one in ranked], left=HEADER[:1] + HEADER[5:]))
+        console.print(table(HEADER, [_row(one) for one in ranked], left=HEADER[:1] + HEADER[5:]))
         count = sum(one.facts["verdict"] == "possible" for one in judged)
         kept = sum(one.kept for one in judged)
         line = f"{count} of {len(judged)} motions are possible"
         say_verdict(console, line + (f"; {kept} were certified before" if kept else ""), count == len(judged))
-    for one in found:
-        if one.error is not None:
-            say(console, f"{one.file}: {one.error}", style="red")
 
 
 def _score(facts: dict[str, Any]) -> float:
@@ -116,11 +115,12 @@ def _print_one(console: Console, facts: dict[str, Any]) -> None:
     say_verdict(console, facts["sentence"], facts["verdict"] == "possible")
 
 
-def _row(facts: dict[str, Any]) -> list[str]:
+def _row(one: Outcome) -> list[str]:
+    facts = one.facts
     worst = max(facts["segments"], key=lambda s: s["worst"] * (s["end"] - s["start"] + 1e-3), default=None)
     share, score = facts["impossible_share"], facts["score"]
     return [
-        str(facts["name"]),
+        one.file if Path(one.file).stem == facts["name"] else f"{one.file}: {facts['name']}",
         str(facts["verdict"]),
         "" if score is None else f"{score:.3f}",
         "" if share is None else f"{100.0 * share:.1f} %",

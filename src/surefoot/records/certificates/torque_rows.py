@@ -79,7 +79,7 @@ def add_torque_row(
     tree: BodyTree, motion: MotionArrays, k: int, points: PointArrays, contacts: Contacts, count: int,
     moves: BoolArray, j: int, row: int, sign: float, arm: float,
 ) -> None:  # fmt: skip
-    """Fill dimension 6 + row of the maps (c, 3, d) with joint j, and behind the cones a ray of lesser torques."""
+    """Fill dimension 6 + row of the maps (c, 3, d) with joint j, behind the cones a ray of lesser ones."""
     axis, place, one = np.empty(3), np.empty(3), np.zeros(3)
     joint_line(tree, motion, j, k, axis, place)
     kind = tree.kind[motion.joints[j]]
