@@ -8,6 +8,7 @@ from benchmarks.commands import (
     ablation,
     audit,
     batch,
+    certify,
     contact,
     execution,
     faults,
@@ -35,6 +36,6 @@ def bench() -> None:
 for _command in (
     statics.statics, walk.walk, faults.faults, contact.contact, rigid.rigid, forces.forces,
     batch.batch, plan.plan, softening.softening, execution.execution,
-    stacks.stacks, speeds.speeds, wire.wire, ablation.ablation, audit.audit, soles.soles,
+    stacks.stacks, certify.certify, speeds.speeds, wire.wire, ablation.ablation, audit.audit, soles.soles,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(_command)

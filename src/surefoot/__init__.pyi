@@ -78,6 +78,7 @@ from .records.audit import audit_log as audit_log
 from .records.audit import summarise_walk as summarise_walk
 from .records.audit.contact_times import contact_times as contact_times
 from .records.audit.seeded_faults import seeded_faults as seeded_faults
+from .records.certificates.certify import certify_motion as certify_motion
 from .records.identification.force_estimate import estimate_forces as estimate_forces
 from .records.identification.force_model import ForceModel as ForceModel
 from .records.identification.friction_tracker import FrictionTracker as FrictionTracker

@@ -156,9 +156,9 @@ def unknown_name(kind: str, name: object, valid: Iterable[str]) -> str:
     "unknown gait 'hop'; valid names: trot, walk"
     """
     known = sorted({str(one) for one in valid if one != ""})
-    hint = near_name(name, known)
     names = ", ".join(known) or "none, nothing has a name"
-    return f"unknown {kind} {shown(name)}{hint}; valid names: {names}"
+    hint = near_name(name, known).strip(" ()")
+    return f"unknown {kind} {shown(name)}; valid names: {names}" + (f"; {hint}" if hint else "")
 
 
 def near_name(name: object, valid: Iterable[str]) -> str:
@@ -170,8 +170,8 @@ def near_name(name: object, valid: Iterable[str]) -> str:
     import difflib
 
     known = {str(one).lower(): str(one) for one in valid}
-    asked = name.lower() if isinstance(name, str) else ""
-    found = difflib.get_close_matches(asked, known, n=1, cutoff=0.7)
+    asked = name.lower()[:80] if isinstance(name, str) else ""
+    found = difflib.get_close_matches(asked, known, n=1)
     return f" (did you mean {known[found[0]]}?)" if found else ""
 
 

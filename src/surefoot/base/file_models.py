@@ -18,7 +18,6 @@ from pydantic import BeforeValidator, ConfigDict, Field, TypeAdapter, Validation
 from pydantic.json_schema import GenerateJsonSchema
 
 from surefoot.base.errors import ProblemError, shown, unknown_name
-from surefoot.base.text_files import unknown_key
 
 T = TypeVar("T")
 Schema = dict[str, Any]
@@ -159,8 +158,8 @@ class _Refusal:
         """Return the line for a key that no table of its place has."""
         where = _path_text(path)
         if self.spoken:
-            return unknown_key(f"key of {where}" if where else "key", key, valid)
-        return f"{where or 'the file'}: {unknown_key('key', key, valid)}"
+            return unknown_name(f"key of {where}" if where else "key", key, valid)
+        return f"{where or 'the file'}: {unknown_name('key', key, valid)}"
 
     def _value(self, kind: str, path: Loc, node: Schema, error: Any) -> str:
         """Return the line for a value."""

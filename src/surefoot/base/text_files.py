@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 import math
 import sys
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -151,22 +150,11 @@ def table_of(
         raise ProblemError(f"{where} must be a mapping of {named}, got {value!r:.60}")
     for key in value if keys is not None else ():
         if key not in (keys or ()):
-            raise ProblemError(f"{where}: {unknown_key('key', key, keys or ())}")
+            raise ProblemError(f"{where}: {unknown_name('key', key, keys or ())}")
     for key in required:
         if key not in value:
             raise ProblemError(f"{where}: {key} is missing")
     return value
-
-
-def unknown_key(kind: str, key: object, valid: Iterable[str]) -> str:
-    """Return the line for a key that a table does not have, with the one that may be meant.
-
-    >>> unknown_key("key", "friktion", ["friction", "mass"])
-    "unknown key 'friktion'; valid names: friction, mass; did you mean friction?"
-    """
-    known = list(valid)
-    near = difflib.get_close_matches(str(key)[:80], known, 1)
-    return unknown_name(kind, key, known) + (f"; did you mean {near[0]}?" if near else "")
 
 
 def finite_in_text(name: str, text: str) -> float:

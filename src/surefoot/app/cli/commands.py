@@ -33,6 +33,7 @@ COMMANDS: LazyTable[Callable[..., int]] = LazyTable(
         "identify": "surefoot.app.cli.identify:identify",
         "sweep": "surefoot.app.cli.sweep:sweep",
         "audit": "surefoot.app.cli.audit:audit",
+        "certify": "surefoot.app.cli.certify:certify",
         "worlds": "surefoot.app.cli.worlds:worlds",
         "plan": "surefoot.app.cli.plan:plan",
         "policy": "surefoot.app.cli.policy:policy",

@@ -29,12 +29,15 @@ class PictureKind(NamedTuple):
         Whether its own axes are three-dimensional.
     panels
         Whether it has panels of its own, and so takes no axes.
+    page
+        "module:function" that writes a page about it into a new file; empty for none.
     """
 
     function: str
     size: tuple[float, float] = (6.0, 4.2)
     space: bool = False
     panels: bool = False
+    page: str = ""
 
 
 DRAWINGS = {
@@ -54,6 +57,9 @@ DRAWINGS = {
     "motion.Plan": PictureKind("plan_plots:draw_phases", (7.0, 2.8)),
     "records.Log": PictureKind("log_drawings:draw_log", (8.0, 6.4), panels=True),
     "records.AuditReport": PictureKind("story_plots:draw_panels_of_story", (9.0, 7.0), panels=True),
+    "records.MotionReport": PictureKind(
+        "motion_plots:draw_panels_of_motion", (9.0, 6.0), panels=True, page="motion_plots:write_motion_page"
+    ),
     "records.TossFit": PictureKind("toss_plots:draw_fit", (5.6, 3.8)),
     "worlds.SweepResult": PictureKind("sweep_plots:draw_survival", (9.0, 5.4), panels=True),
 }

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import Any
 
-from surefoot.app.viz.drawings import drawing_of, figure_of
+from surefoot.app.viz.drawings import VIZ, drawing_of, figure_of
 from surefoot.app.viz.style import save
 from surefoot.base.errors import ProblemError
 from surefoot.base.text_files import path_of
@@ -19,7 +20,7 @@ def picture(answer: Any, path: Path | str = "picture.png", **options: Any) -> Pa
     answer
         What has a method `plot`: a cone, a stance, a verdict, a solution, a log, an audit's report ...
     path
-        Of the file; its suffix says which kind: .png, .svg or .pdf.
+        Of the file; its suffix says which kind: .png, .svg or .pdf; of a certified motion .html as well.
     **options
         Of the picture of this kind, as docs/pictures.md lists them.
 
@@ -30,12 +31,15 @@ def picture(answer: Any, path: Path | str = "picture.png", **options: Any) -> Pa
     MissingExtra
         If matplotlib is not installed.
     """
-    drawing_of(answer)
+    drawing = drawing_of(answer)
     place = path_of(path)
     if place.exists():
         raise ProblemError(f"{place} exists already")
-    if place.suffix not in KINDS:
-        raise ProblemError(f"a picture is one of {', '.join(KINDS)}, got {place.suffix or place.name!r}")
+    kinds = (*KINDS, ".html") if drawing.page else KINDS
+    if place.suffix not in kinds:
+        raise ProblemError(f"a picture is one of {', '.join(kinds)}, got {place.suffix or place.name!r}")
+    if place.suffix == ".html":
+        return Path(resolve_name(f"{VIZ}.{drawing.page}")(answer, place))
     return save(figure_of(answer, **options), place)
 
 

@@ -25,7 +25,6 @@ from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import inline_kernel, kernel
 from surefoot.base.numerics.lu_factors import apply_lu, factor_lu
 from surefoot.contact.rows.blocks import (
-    CONE_ROWS,
     DIM,
     DRY_ROW,
     FIRST,

@@ -207,7 +207,9 @@ class _Run:
             return True
         if self._polish():
             return True
-        if self.error > POLISH_FROM and (self._follow(self._early(), MOST_SLOW, turning=True) or self._polish()):
+        if self.error > POLISH_FROM and (
+            self._follow(self._early(), MOST_SLOW, turning=True) or self._polish()
+        ):
             return True
         if self.error <= POLISH_FROM and (self._follow(self.path[-1][1], 0, 0.0) or self._polish()):
             return True

@@ -43,7 +43,9 @@ class Motion(NamedTuple):
 
 
 @inline_kernel
-def _inner(axes: FloatArray, gap: float, dx: FloatArray, dy: FloatArray, px: FloatArray, py: FloatArray) -> float:
+def _inner(
+    axes: FloatArray, gap: float, dx: FloatArray, dy: FloatArray, px: FloatArray, py: FloatArray
+) -> float:
     """Return the inner product of two steps of x and y (n, 3), without that of their log gaps."""
     total = 0.0
     for k in range(len(dx)):

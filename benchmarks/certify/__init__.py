@@ -1,0 +1,1 @@
+"""How well certificates of motions find what was spoilt, beside kinematic filters."""

@@ -1,0 +1,129 @@
+"""Motions of files certified on all cores, each kept in a folder as soon as it is done."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from surefoot.base.errors import SurefootError, one_line, writing
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked of every file; see `certify_motion` and `read_motion`."""
+
+    robot: str
+    fps: float | None
+    order: Any
+    quaternion: str | None
+    mu: float
+    sliding_mu: tuple[float, float]
+    window: float | None
+    terrain: str | None
+    picture: str | None = None
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A motion's report as plain values, whether it was kept from before, or why there is none."""
+
+    file: str
+    facts: dict[str, Any]
+    kept: bool = False
+    error: str | None = None
+
+
+def certify_files(
+    files: Sequence[Path],
+    question: Question,
+    folder: Path | None,
+    jobs: int | None,
+    show: Callable[[float], None] | None,
+) -> list[Outcome]:
+    """Return the outcomes of files in their order; `show` is given how many are done.
+
+    With a folder every motion leaves a .json and a .csv there, named by its file, its key and what was asked;
+    those that are there are read and not certified anew.
+    """
+    if folder is not None:
+        with writing(folder):
+            folder.mkdir(parents=True, exist_ok=True)
+    workers = min(len(files), jobs if jobs is not None else _cores())
+    out: dict[int, list[Outcome]] = {}
+    if workers <= 1:
+        for k, path in enumerate(files):
+            out[k] = certify_file(path, question, folder)
+            if show is not None:
+                show(float(len(out)))
+        return [one for k in range(len(files)) for one in out[k]]
+    from concurrent.futures import ProcessPoolExecutor, as_completed
+    from multiprocessing import get_context
+
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        waiting = {pool.submit(certify_file, path, question, folder): k for k, path in enumerate(files)}
+        for future in as_completed(waiting):
+            out[waiting[future]] = future.result()
+            if show is not None:
+                show(float(len(out)))
+    return [one for k in range(len(files)) for one in out[k]]
+
+
+def _cores() -> int:
+    from surefoot.worlds.sweep.pools import cores
+
+    return cores()
+
+
+def certify_file(path: Path, question: Question, folder: Path | None) -> list[Outcome]:
+    """Return the outcomes of one file, one for each motion in it; one with the error where it is wrong."""
+    try:
+        kept = None if folder is None else _place(path, question, folder)
+        if kept is not None and kept.with_suffix(".json").exists():
+            facts = json.loads(kept.with_suffix(".json").read_text(encoding="utf-8"))
+            return [Outcome(str(path), one, kept=True) for one in facts]
+        return [Outcome(str(path), one) for one in _certify(path, question, kept)]
+    except SurefootError as error:
+        said = one_line(error)
+        return [Outcome(str(path), {}, error=said if str(path) in said else f"{path}: {said}")]
+
+
+def _place(path: Path, question: Question, folder: Path) -> Path:
+    """Return where the report of a file stands, by its contents and what is asked."""
+    from surefoot.base.errors import ProblemError
+
+    try:
+        contents = path.read_bytes()
+    except OSError as error:
+        raise ProblemError(f"{path}: {error.strerror or error}") from error
+    asked = json.dumps(asdict(question), sort_keys=True).encode()
+    return folder / f"{path.stem}-{hashlib.sha256(contents + asked).hexdigest()[:8]}"
+
+
+def _certify(path: Path, question: Question, kept: Path | None) -> list[dict[str, Any]]:
+    """Certify the motions of a file and keep what is found."""
+    from surefoot.app.cli import robots
+    from surefoot.mechanics import read_terrain
+    from surefoot.records.certificates.certify import certify_motion
+    from surefoot.records.motions.read_motion import read_motions
+
+    robot = robots.load(question.robot)
+    ground = None if question.terrain is None else read_terrain(question.terrain, "--terrain")
+    found = []
+    for motion in read_motions(path, robot, question.fps, question.order, question.quaternion):
+        report = certify_motion(robot, motion, question.mu, question.sliding_mu, ground, question.window)
+        found.append(report.plain())
+        if kept is not None:
+            number = "" if len(found) == 1 else f"-{len(found)}"
+            report.to_csv(kept.with_name(f"{kept.name}{number}.csv"))
+        if question.picture is not None:
+            from surefoot.app.viz.picture import picture
+
+            picture(report, question.picture)
+    if kept is not None:
+        with writing(kept):
+            kept.with_suffix(".json").write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    return found

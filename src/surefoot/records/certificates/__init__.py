@@ -1,0 +1,1 @@
+"""Certificates of motions: whether the ground and the motors could give the forces that a motion needs."""
