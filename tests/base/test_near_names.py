@@ -34,7 +34,7 @@ def test_names_of_the_package() -> None:
     ("words", "hint"),
     [
         (["chek"], "No such command 'chek' (did you mean check?)"),
-        (["check", "got2"], "unknown robot 'got2' (did you mean go2?)"),
+        (["check", "got2"], "did you mean go2?"),
         (["cone", "--facet", "4"], "--facets"),
     ],
 )

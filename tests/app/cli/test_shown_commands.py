@@ -233,5 +233,5 @@ def test_shown_command_ends_as_the_page_says(
 
 def test_every_page_with_commands_is_run() -> None:
     pages = {str(p.id).split(":")[0] for p in all_shown()}
-    assert {"README.md", "standing.md", "walking.md", "statics.md", "cones.md", "files.md"} <= pages
+    assert {"README.md", "standing.md", "walking.md", "tour.md", "cones.md", "files.md"} <= pages
     assert len(all_shown()) > 50

@@ -269,7 +269,7 @@ def test_arrays_of_mujoco_and_isaac_lab() -> None:
 @pytest.mark.parametrize(
     ("arrays", "message"),
     [
-        ({"forces": np.zeros((5, 4))}, r"forces must have shape \(T, p, 3\), got \(5, 4\)"),
+        ({"forces": np.zeros((5, 3))}, r"forces must have shape \(T, p, 3\), got \(5, 3\)"),
         ({"forces": np.zeros((5, 4, 2))}, "three numbers last"),
         ({"forces": np.zeros((5, 4, 3)), "gaps": np.zeros((6, 4))}, "the same number of rows"),
         ({"speed": np.zeros(5)}, "unknown array 'speed'; valid names: active, applied_torque"),

@@ -56,7 +56,7 @@ def test_runs_one_after_the_other_are_episodes() -> None:
         (lambda log: log + recorded(gaps=np.zeros((ROWS, 4))), "only one has gaps"),
         (lambda log: log + recorded(mass=20.0), "different facts cannot be joined: .*mass"),
         (lambda log: log[:1] + log[5:], "rising times, or the fact dt"),
-        (lambda log: log["tme"], r"unknown channel 'tme' \(did you mean time\?\)"),
+        (lambda log: log["tme"], r"unknown channel 'tme'; valid names: .*; did you mean time\?"),
         (lambda log: log[500:][[3]], "rows must be a slice"),
     ],
 )
