@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from surefoot.base.settings import Settings, setting
 
 FITTED = "`python -m benchmarks.learnt_ground StairFitSettings`, 2026-11-26: as good from "
+FELT = "`python -m benchmarks.learnt_ground GroundEstimateSettings`, 2026-11-26: as good from "
+DETECTED = "`python -m benchmarks.learnt_ground StairDetectionSettings`, 2026-11-26: as good from "
 """How sources begin: other values are tried over what walks have sensed, and those beyond do worse."""
 
 
@@ -68,7 +70,12 @@ class GroundEstimateSettings(Settings):
 
     landings: int = setting(3, "-", "landings of each foot that the plane under the feet goes through", low=1)
     forgetting: float = setting(
-        0.7, "-", "weight of a foot's landing against its next one", low=0.0, high=1.0
+        0.7,
+        "-",
+        "weight of a foot's landing against its next one",
+        low=0.0,
+        high=1.0,
+        tuned=FELT + "0.07 to 0.7",
     )
     smooth: float = setting(
         0.004, "m", "distances of footholds from their plane that count as flat ground", low=0.0
@@ -135,11 +142,21 @@ class StairDetectionSettings(Settings):
         0.15, "-", "largest deviation of a tread from the median, as a share of it", low=0.0
     )
     even_rises: float = setting(
-        0.3, "-", "largest deviation of a rise from the median, as a share of it", low=0.0
+        0.3,
+        "-",
+        "largest deviation of a rise from the median, as a share of it",
+        low=0.0,
+        tuned=DETECTED + "0.1 to 3",
     )
-    looks: int = setting(5, "-", "looks of which stairs are the medians", low=1)
+    looks: int = setting(5, "-", "looks of which stairs are the medians", low=1, tuned=DETECTED + "5 to 50")
     other: float = setting(0.03, "-", "change of the tread by which looks replace known stairs", low=0.0)
-    fitted: float = setting(0.005, "-", "change of the tread by which a fit replaces known stairs", low=0.0)
+    fitted: float = setting(
+        0.005,
+        "-",
+        "change of the tread by which a fit replaces known stairs",
+        low=0.0,
+        tuned=DETECTED + "0.0005 to 0.015",
+    )
     doubtful: float = setting(1.0, "s", "time after which an uncertain fit begins anew", low=0.0)
     patience: float = setting(0.6, "s", "time without any edge after which stairs are over", low=0.0)
 
