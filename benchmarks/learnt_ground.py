@@ -73,7 +73,7 @@ HELD_IN = {
     "MappedGroundSettings": ("MAPPED_GROUND", (mapped_ground,)),
 }
 """Classes of settings to the name of their value and the modules that read it; a map is given its own."""
-LEARNT_IN = {"GroundEstimateSettings": ("map", "blind"), "TouchedGroundSettings": ("blind",)}
+LEARNT_IN = {"GroundEstimateSettings": ("blind",), "TouchedGroundSettings": ("blind",)}
 """What is known of the ground in walks over which a class is varied, if other than what is seen."""
 FACTORS = (3.0, 10.0)
 """Values that are tried over a setting's own, and its own over them."""

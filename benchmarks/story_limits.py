@@ -1,8 +1,10 @@
 """Vary the limits of an audit's story, one at a time, over strangers' loops that fail of known causes.
 
-Run: python -m benchmarks.story_limits [NAME...] [--seeds 10] [--lawful 15] [--keep FOLDER] [--json]. NAME is
-a limit of `surefoot.records.audit.story.story_limits.StoryLimits`; all without one. FOLDER keeps the runs,
-which are simulated once. Only the seeds for tuning are looked at, never those that are held back.
+Run: python -m benchmarks.story_limits [NAME...] [--seeds 10] [--lawful 15] [--cause NAME] [--untold]
+[--keep FOLDER] [--json]. NAME is a limit of `surefoot.records.audit.story.story_limits.StoryLimits`; all
+without one. FOLDER keeps the runs, which are simulated once. Only the seeds for tuning are looked at, never
+those that are held back. With --cause only runs that fail of it (may be repeated); with --untold what a loop
+changed in its model is left out of its log, as it is out of one that no `sf.record` made.
 
 A run is told right if its first cause is the one that was injected, in name, place and time, or if it is a
 lawful control and no cause is named (`benchmarks.foreign.race`). Each limit is moved away from its value in
@@ -25,11 +27,12 @@ from pathlib import Path
 from typing import Any
 
 import surefoot as sf
+from benchmarks.foreign.causes import CAUSES
 from benchmarks.foreign.fault import Fault, Run
 from benchmarks.foreign.loops import LOOPS, failed
 from benchmarks.foreign.race import LAWFUL, TUNING, is_right, plan
 from benchmarks.limits import values_away
-from surefoot.base.errors import ProblemError, unknown_name
+from surefoot.base.errors import check_name
 from surefoot.base.settings import DescribedSetting, describe
 from surefoot.records.audit import auditor
 from surefoot.records.audit.story import story
@@ -37,6 +40,7 @@ from surefoot.records.audit.story.causes import RULES, WRONG_FRAME, Rule
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.story.story_limits import STORY_LIMITS, StoryLimits
+from surefoot.records.log import Log
 from surefoot.records.log.reading import read_log
 
 FACTORS = (1.5, 2.0, 4.0, 16.0, 64.0)
@@ -144,8 +148,22 @@ class Choice:
         return f"as good from {self.low:.4g} to {self.high:.4g}"
 
 
-def told_runs(seeds: int, lawful: int, keep: Path | None) -> Iterator[Told]:
-    """Yield the runs of the seeds for tuning and lawful controls, audited once."""
+def told_runs(
+    seeds: int, lawful: int, keep: Path | None, causes: Sequence[str] = (), untold: bool = False
+) -> Iterator[Told]:
+    """Yield the runs of the seeds for tuning and lawful controls, audited once.
+
+    Parameters
+    ----------
+    seeds, lawful
+        Of each cause, and lawful controls of each loop.
+    keep
+        Folder of the runs; None to simulate them.
+    causes
+        Names; none for all.
+    untold
+        Whether logs are left without what the loop changed in its model.
+    """
     loops = {loop.name: loop for loop in LOOPS}
     caught: list[tuple[Any, ...]] = []
     whole = auditor.story_of
@@ -154,9 +172,12 @@ def told_runs(seeds: int, lawful: int, keep: Path | None) -> Iterator[Told]:
         caught.append(given)
         return whole(*given)
 
-    for loop, cause, seed in plan(range(min(seeds, TUNING)), lawful):
+    for loop, cause, seed in plan(range(min(seeds, TUNING)), lawful, causes):
         make = partial(failed, cause, seed) if cause else partial(loops[loop].lawful, seed)
         run = make() if keep is None else _kept(keep / f"{cause or loop} {seed}", make)
+        if untold:
+            facts = {name: fact for name, fact in run.log.facts.items() if not name.startswith("change_")}
+            run = replace(run, log=Log(dict(run.log.arrays), facts))
         with replaced(auditor, story_of=noting):
             sf.audit_log(run.log)
         given = caught.pop()
@@ -207,14 +228,17 @@ def main() -> None:
     parser.add_argument("names", nargs="*", help="limits (default: all)")
     parser.add_argument("--seeds", type=int, default=TUNING, help="seeds of each cause")
     parser.add_argument("--lawful", type=int, default=LAWFUL, help="lawful controls of each loop")
+    parser.add_argument("--cause", action="append", default=[], help="only this cause; repeatable")
+    parser.add_argument("--untold", action="store_true", help="logs without what loops changed")
     parser.add_argument("--keep", type=Path, help="folder of the runs")
     parser.add_argument("--json", action="store_true", help="print JSON")
     given = parser.parse_args()
     every = {one.name: one for one in describe(STORY_LIMITS)}
     for name in given.names:
-        if name not in every:
-            raise ProblemError(unknown_name("limit of a story", name, tuple(every)))
-    runs = list(told_runs(given.seeds, given.lawful, given.keep))
+        check_name("limit of a story", name, tuple(every))
+    for name in given.cause:
+        check_name("cause", name, [one.name for one in CAUSES])
+    runs = list(told_runs(given.seeds, given.lawful, given.keep, given.cause, given.untold))
     found = []
     for name in given.names or every:
         one = vary(every[name], runs)

@@ -20,7 +20,7 @@ RUNS = [("", "weak actuator", 0), ("hopper", "", 0)]
 @pytest.fixture(scope="module")
 def runs() -> list[Told]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(story_limits, "plan", lambda seeds, lawful: RUNS)
+        patch.setattr(story_limits, "plan", lambda seeds, lawful, causes: RUNS)
         return list(told_runs(1, 1, None))
 
 

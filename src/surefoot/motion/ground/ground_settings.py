@@ -6,6 +6,11 @@ from dataclasses import dataclass
 
 from surefoot.base.settings import Settings, setting
 
+FITTED = "`python -m benchmarks.learnt_ground StairFitSettings`, 2026-11-26: as good from "
+FELT = "`python -m benchmarks.learnt_ground GroundEstimateSettings`, 2026-11-26: as good from "
+DETECTED = "`python -m benchmarks.learnt_ground StairDetectionSettings`, 2026-11-26: as good from "
+"""How sources begin: other values are tried over what walks have sensed, and those beyond do worse."""
+
 
 @dataclass(frozen=True)
 class TouchedGroundSettings(Settings):
@@ -65,7 +70,12 @@ class GroundEstimateSettings(Settings):
 
     landings: int = setting(3, "-", "landings of each foot that the plane under the feet goes through", low=1)
     forgetting: float = setting(
-        0.7, "-", "weight of a foot's landing against its next one", low=0.0, high=1.0
+        0.7,
+        "-",
+        "weight of a foot's landing against its next one",
+        low=0.0,
+        high=1.0,
+        tuned=FELT + "0.07 to 0.7",
     )
     smooth: float = setting(
         0.004, "m", "distances of footholds from their plane that count as flat ground", low=0.0
@@ -132,11 +142,21 @@ class StairDetectionSettings(Settings):
         0.15, "-", "largest deviation of a tread from the median, as a share of it", low=0.0
     )
     even_rises: float = setting(
-        0.3, "-", "largest deviation of a rise from the median, as a share of it", low=0.0
+        0.3,
+        "-",
+        "largest deviation of a rise from the median, as a share of it",
+        low=0.0,
+        tuned=DETECTED + "0.1 to 3",
     )
-    looks: int = setting(5, "-", "looks of which stairs are the medians", low=1)
+    looks: int = setting(5, "-", "looks of which stairs are the medians", low=1, tuned=DETECTED + "5 to 50")
     other: float = setting(0.03, "-", "change of the tread by which looks replace known stairs", low=0.0)
-    fitted: float = setting(0.005, "-", "change of the tread by which a fit replaces known stairs", low=0.0)
+    fitted: float = setting(
+        0.005,
+        "-",
+        "change of the tread by which a fit replaces known stairs",
+        low=0.0,
+        tuned=DETECTED + "0.0005 to 0.015",
+    )
     doubtful: float = setting(1.0, "s", "time after which an uncertain fit begins anew", low=0.0)
     patience: float = setting(0.6, "s", "time without any edge after which stairs are over", low=0.0)
 
@@ -145,20 +165,42 @@ class StairDetectionSettings(Settings):
 class StairFitSettings(Settings):
     """Errors that the filter of stairs reckons with, and when it takes stairs for known or lost."""
 
-    gate: float = setting(3.0, "-", "standard deviations beyond which a measurement is left out", low=0.0)
-    angle: float = setting(0.008, "rad", "standard deviation of a range sensor's mounting angle", low=0.0)
+    gate: float = setting(
+        3.0,
+        "-",
+        "standard deviations beyond which a measurement is left out",
+        low=0.0,
+        tuned=FITTED + "3 to 30",
+    )
+    angle: float = setting(
+        0.008,
+        "rad",
+        "standard deviation of a range sensor's mounting angle",
+        low=0.0,
+        tuned=FITTED + "0.008 to 0.08",
+    )
     place: float = setting(
         0.004, "m", "standard deviation of an edge's place in a scan", low=0.0,
         tuned="`surefoot bench ablation --vary StairFitSettings.place --factor 20 "
         "--task steps-up-map --seeds 3`, 2026-11-26: as good from 0.0002 to 0.004",
     )  # fmt: skip
     repeated: float = setting(
-        8.0, "-", "factor on variances of scans, which repeat the mounting's errors", low=1.0
+        8.0,
+        "-",
+        "factor on variances of scans, which repeat the mounting's errors",
+        low=1.0,
+        tuned=FITTED + "8 to 24",
     )
     drift: float = setting(
         4e-3, "m/√s", "drift of the stairs along themselves in the estimated frame", low=0.0
     )
-    rising: float = setting(6e-3, "m/√s", "drift of the stairs' height in the estimated frame", low=0.0)
+    rising: float = setting(
+        6e-3,
+        "m/√s",
+        "drift of the stairs' height in the estimated frame",
+        low=0.0,
+        tuned=FITTED + "0.0006 to 0.006",
+    )
     turning: float = setting(2e-3, "rad/√s", "drift of the stairs' direction in the estimated frame", low=0.0)
     stretch: float = setting(3e-4, "m/√s", "drift of treads and rises", low=0.0)
     few: int = setting(
@@ -167,7 +209,11 @@ class StairFitSettings(Settings):
         "--task steps-up-map --seeds 3`, 2026-11-26: as good from 1 to 5",
     )  # fmt: skip
     near: float = setting(
-        0.3, "-", "distance from an edge's expected place within which it is looked for, in treads", low=0.0
+        0.3,
+        "-",
+        "distance from an edge's expected place within which it is looked for, in treads",
+        low=0.0,
+        tuned=FITTED + "0.3 to 3",
     )
     measurements: int = setting(
         4, "-", "measurements from which an edge is part of the stairs", low=1,
@@ -175,7 +221,12 @@ class StairFitSettings(Settings):
         "--task steps-up-map --seeds 3`, 2026-11-26: as good from 1 to 4",
     )  # fmt: skip
     agreeing: float = setting(
-        0.6, "-", "least share of points on treads that lie at their heights", low=0.0, high=1.0
+        0.6,
+        "-",
+        "least share of points on treads that lie at their heights",
+        low=0.0,
+        high=1.0,
+        tuned=FITTED + "0.06 to 0.6",
     )
     patience: int = setting(10, "-", "scans in turn with a lower share after which stairs are lost", low=0)
     sure: float = setting(
@@ -183,12 +234,26 @@ class StairFitSettings(Settings):
         tuned="`surefoot bench ablation --vary StairFitSettings.sure --factor 20 "
         "--task steps-up-map --seeds 3`, 2026-11-26: as good from 0.01 to 0.2",
     )  # fmt: skip
-    touch: float = setting(0.003, "m", "standard deviation of a height that a foot measures", low=0.0)
+    touch: float = setting(
+        0.003,
+        "m",
+        "standard deviation of a height that a foot measures",
+        low=0.0,
+        tuned=FITTED + "0.003 to 0.003",
+    )
     level: float = setting(
-        0.004, "m", "standard deviation of a height that a scan measures, without its pitch", low=0.0
+        0.004,
+        "m",
+        "standard deviation of a height that a scan measures, without its pitch",
+        low=0.0,
+        tuned=FITTED + "0.004 to 0.004",
     )
     beside: int = setting(
-        2, "-", "treads before the first and beyond the last edge over which ground is taken for level", low=0
+        2,
+        "-",
+        "treads before the first and beyond the last edge over which ground is taken for level",
+        low=0,
+        tuned=FITTED + "2 to 20",
     )
 
 
