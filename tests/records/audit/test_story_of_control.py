@@ -67,6 +67,9 @@ def test_a_robot_in_a_plane_falls_too() -> None:
     assert report.story.failure.name == "fell"
     assert report.first_cause is not None
     assert (report.first_cause.name, report.first_cause.where) == ("push", "trunk")
+    assert report.story.failure.because == "push"
+    assert [event.because for event in report.story.events if event.name == "push"] == [""]
+    assert any("because of push" in str(event) for event in report.story.events)
 
 
 @pytest.mark.parametrize("hold", [1, 5, 10])
