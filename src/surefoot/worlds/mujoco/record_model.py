@@ -264,7 +264,7 @@ def model_facts(mujoco: Any, model: Any, tree: BodyTree, geom_names: Sequence[st
     geoms = np.flatnonzero(np.isin(model.geom_bodyid, tree.bodies))
     free = ~np.asarray(model.jnt_limited, dtype=bool)[own]
     ranges = np.where(free[:, None], [-np.inf, np.inf], np.asarray(model.jnt_range)[own])
-    root = _mounted(mujoco, model, int(bodies[0]))
+    root = _place_on_mount(mujoco, model, int(bodies[0]))
     return {
         "model_bodies": [body_name(model, b) for b in bodies],
         "model_parents": np.array([place.get(int(model.body_parentid[b]), -1) for b in bodies]),
@@ -289,7 +289,7 @@ def model_facts(mujoco: Any, model: Any, tree: BodyTree, geom_names: Sequence[st
     }
 
 
-def _mounted(mujoco: Any, model: Any, root: int) -> tuple[FloatArray, FloatArray]:
+def _place_on_mount(mujoco: Any, model: Any, root: int) -> tuple[FloatArray, FloatArray]:
     """Return the (3,) place and (4,) quaternion w, x, y, z of a root before its joints move it."""
     place, turn = np.array(model.body_pos[root]), np.array(model.body_quat[root])
     body = int(model.body_parentid[root])

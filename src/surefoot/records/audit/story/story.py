@@ -58,7 +58,7 @@ def story_of(log: Log, setting: Setting, symptoms: tuple[Finding, ...], task_fai
         failed = replace(failed, because=causes[0].name)
     # in the order of the table where times are equal: a set's order is another one in each process
     events = dict.fromkeys([
-        *(_joined(rule, sign, found, s) for rule, sign in found),
+        *(_with_its_cause(rule, sign, found, s) for rule, sign in found),
         *(failed if failed is not None and event.name == failed.name else event for event in happened),
     ])  # fmt: skip
     return Story(tuple(sorted(events, key=lambda e: e.time)), causes, failed)
@@ -72,7 +72,7 @@ def _event(cause: Cause) -> Event:
     return Event(cause.name, cause.time, cause.where, cause.evidence)
 
 
-def _joined(rule: Rule, sign: Sign, found: list[tuple[Rule, Sign]], s: Signals) -> Event:
+def _with_its_cause(rule: Rule, sign: Sign, found: list[tuple[Rule, Sign]], s: Signals) -> Event:
     """Return the event of a sign, with the cause that brought it about: the one that explains a failure then.
 
     What comes from outside nothing brings about, nor what other links of the same cause have begun.
