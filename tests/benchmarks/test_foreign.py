@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -133,3 +134,11 @@ def test_an_interrupted_run_tells_what_it_has(
 def test_an_unknown_cause_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["bench", "audit", "--foreign", "--cause", "pushed"]) == 2
     assert "pushed" in capsys.readouterr().err
+
+
+def test_gymnasium_s_runs_are_skipped_with_a_reason(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["bench", "audit", "--gymnasium", "--assets", str(tmp_path)]) == 0
+    assert "skipped:" in (said := capsys.readouterr().err)
+    assert "has no model of Ant, Hopper, Walker2d, Humanoid" in said

@@ -9,6 +9,7 @@ import pytest
 import surefoot as sf
 from benchmarks.foreign.loops import LOOPS
 from surefoot.records import Log
+from surefoot.records.audit.resets import join_episodes
 
 ABLE = {loop.name: loop for loop in LOOPS}
 
@@ -67,6 +68,9 @@ def test_a_robot_in_a_plane_falls_too() -> None:
     assert report.story.failure.name == "fell"
     assert report.first_cause is not None
     assert (report.first_cause.name, report.first_cause.where) == ("push", "trunk")
+    assert report.story.failure.because == "push"
+    assert [event.because for event in report.story.events if event.name == "push"] == [""]
+    assert any("because of push" in str(event) for event in report.story.events)
 
 
 @pytest.mark.parametrize("hold", [1, 5, 10])
@@ -74,3 +78,11 @@ def test_torques_that_are_held_are_neither_late_nor_chattering(hold: int) -> Non
     report = sf.audit_log(flat_robot(hold, 1.5))
     assert report.story.failure is None
     assert report.first_cause is None
+
+
+def test_of_several_episodes_the_one_that_failed_is_told() -> None:
+    stood, fell = sf.audit_log(flat_robot(1, 0.5)), sf.audit_log(flat_robot(1, 1.5, push=300.0))
+    assert fell.log is not None
+    joined = join_episodes(fell.log, [stood, fell])
+    assert joined.first_cause is not None
+    assert joined.first_cause.name == "push"

@@ -17,6 +17,7 @@ from surefoot.app.lab.figure import strip
 from surefoot.app.lab.geometry import MovingGround
 from surefoot.app.lab.html_text import heading, paragraph, text
 from surefoot.app.lab.page import Page
+from surefoot.app.lab.recorded_body import RecordedBody, can_draw
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError, SurefootError
 from surefoot.mechanics import FlatTerrain, Robot, Terrain, load_robot, read_terrain
@@ -60,6 +61,8 @@ class RecordedMotion:
     ----------
     notes
         What cannot be drawn, a line each.
+    stranger
+        What draws the robot by the model that a recording keeps; None where another robot is drawn.
     most
         Largest normal force of the log, m g at least [N].
 
@@ -78,7 +81,8 @@ class RecordedMotion:
                 "the log's times do not rise: it cannot be scrubbed; `surefoot audit` says where"
             )
         self.notes: list[str] = []
-        self.robot = self._robot_of() if robot is None else robot
+        self.stranger = RecordedBody(log) if robot is None and can_draw(log) else None
+        self.robot = self._robot_of() if robot is None and self.stranger is None else robot
         if self.robot is not None and ("q" not in log or log["q"].shape[1] != self.robot.model.nq):
             self.notes.append(f"the log's configurations are not those of {self.robot.name}: it is not drawn")
             self.robot = None
@@ -250,6 +254,9 @@ class RecordingPage(Page):
             if self._body.robot.floating:
                 q[:2] -= origin
             return self._body.shapes(q)
+        if rec.stranger is not None:
+            q = np.asarray(rec.log["q"][row], dtype=np.float64)
+            return rec.stranger.shapes(q, origin) if np.isfinite(q).all() else {}
         if rec.pose is None or not np.isfinite(rec.pose[row]).all():
             return {}
         place = np.asarray(rec.pose[row, :3]) - [*origin, 0.0]

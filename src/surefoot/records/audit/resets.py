@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 from surefoot.records.audit.report import AuditReport, Judgement, Task
+from surefoot.records.audit.story.told import Story
 from surefoot.records.log import Log
 
 SEVERITY: dict[Judgement, int] = {"broken": 0, "cannot tell": 1, "lawful": 2}
@@ -50,12 +51,23 @@ def join_episodes(log: Log, reports: Sequence[AuditReport]) -> AuditReport:
         task_reason=next((one.task_reason for one in reports if one.task == task), ""),
         command=tuple(found for one in reports for found in one.command),
         limits=worst.limits,
-        story=worst.story,
+        story=_story_of(reports, worst),
         log=log,
         limits_broken=tuple(dict.fromkeys(line for one in reports for line in one.limits_broken)),
         episodes=tuple(reports),
         load_doubt=next((one.load_doubt for one in reports if one.load_doubt), ""),
     )
+
+
+def _story_of(reports: Sequence[AuditReport], worst: AuditReport) -> Story:
+    """Return the story of the first episode that failed for a cause, that has one, or that failed."""
+    stories = [one.story for one in reports]
+    told = (
+        next((x for x in stories if x.failure is not None and x.causes), None),
+        next((x for x in stories if x.causes), None),
+        next((x for x in stories if x.failure is not None), None),
+    )
+    return next((x for x in told if x is not None), worst.story)
 
 
 def _lines(reports: Sequence[AuditReport]) -> list[str]:

@@ -175,12 +175,12 @@ class Rows:
     def arms(self) -> FloatArray:
         """(T, p) distances of the contact points from the centre of mass [m]."""
         apart = self.numbers("contact_positions") - self.numbers("com")[:, None]
-        return np.sqrt(np.einsum("tpi,tpi->tp", apart, apart))
+        return np.asarray(np.sqrt(np.einsum("tpi,tpi->tp", apart, apart)))
 
     @cached_property
     def force_sizes(self) -> FloatArray:
         """(T, p) [N]."""
-        return np.sqrt(np.einsum("tpi,tpi->tp", self.forces, self.forces))
+        return np.asarray(np.sqrt(np.einsum("tpi,tpi->tp", self.forces, self.forces)))
 
     @cached_property
     def frames(self) -> FloatArray:
@@ -327,7 +327,7 @@ def sliding_mean(values: FloatArray, rows: int) -> FloatArray:
     if known.all():
         places = np.arange(len(values))
         inside = np.minimum(places + rows // 2 + 1, len(values)) - np.maximum(places - (rows - 1) // 2, 0)
-        return sliding_sum(values, rows) / inside.reshape(-1, *[1] * (values.ndim - 1))
+        return np.asarray(sliding_sum(values, rows) / inside.reshape(-1, *[1] * (values.ndim - 1)))
     count = sliding_sum(known.astype(np.float64), rows)
     total = sliding_sum(np.where(known, values, 0.0), rows)
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -188,10 +188,10 @@ class Log(Drawn):
         if "episode_rows" in facts:
             facts = facts_of_selection(facts, np.arange(len(self))[which])
         if isinstance(which, slice) and self.arrays.keys() == self.channels.keys():
-            return self._sliced(arrays, facts)
+            return self._same_channels(arrays, facts)
         return Log(arrays, facts, channels=self.channels)
 
-    def _sliced(self, arrays: dict[str, Any], facts: dict[str, Any]) -> Log:
+    def _same_channels(self, arrays: dict[str, Any], facts: dict[str, Any]) -> Log:
         """Return a log of slices of this one's arrays, which fit each other as those do."""
         out = object.__new__(Log)
         out.arrays, out.facts, out.parts = arrays, facts, None

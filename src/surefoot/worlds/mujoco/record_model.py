@@ -264,6 +264,7 @@ def model_facts(mujoco: Any, model: Any, tree: BodyTree, geom_names: Sequence[st
     geoms = np.flatnonzero(np.isin(model.geom_bodyid, tree.bodies))
     free = ~np.asarray(model.jnt_limited, dtype=bool)[own]
     ranges = np.where(free[:, None], [-np.inf, np.inf], np.asarray(model.jnt_range)[own])
+    root = _place_on_mount(mujoco, model, int(bodies[0]))
     return {
         "model_bodies": [body_name(model, b) for b in bodies],
         "model_parents": np.array([place.get(int(model.body_parentid[b]), -1) for b in bodies]),
@@ -271,8 +272,8 @@ def model_facts(mujoco: Any, model: Any, tree: BodyTree, geom_names: Sequence[st
         "model_inertias": np.array(model.body_inertia[bodies]),
         "model_centres": np.array(model.body_ipos[bodies]),
         "model_inertia_axes": np.array(model.body_iquat[bodies]),
-        "model_positions": np.array(model.body_pos[bodies]),
-        "model_orientations": np.array(model.body_quat[bodies]),
+        "model_positions": np.vstack([root[0], model.body_pos[bodies[1:]]]),
+        "model_orientations": np.vstack([root[1], model.body_quat[bodies[1:]]]),
         "model_joint_kinds": joint_kinds(mujoco, model, tree),
         "model_joint_bodies": np.array([place[int(model.jnt_bodyid[j])] for j in own]),
         "model_joint_axes": np.array(model.jnt_axis[own]).reshape(-1, 3),
@@ -286,3 +287,16 @@ def model_facts(mujoco: Any, model: Any, tree: BodyTree, geom_names: Sequence[st
         "model_geom_orientations": np.array(model.geom_quat[geoms]),
         "model_actuators": [str(model.actuator(k).name) or f"actuator {k}" for k in range(model.nu)],
     }
+
+
+def _place_on_mount(mujoco: Any, model: Any, root: int) -> tuple[FloatArray, FloatArray]:
+    """Return the (3,) place and (4,) quaternion w, x, y, z of a root before its joints move it."""
+    place, turn = np.array(model.body_pos[root]), np.array(model.body_quat[root])
+    body = int(model.body_parentid[root])
+    while body != 0:  # what it is bolted to
+        moved, turned = np.empty(3), np.empty(4)
+        mujoco.mju_rotVecQuat(moved, place, model.body_quat[body])
+        mujoco.mju_mulQuat(turned, model.body_quat[body], turn)
+        place, turn = model.body_pos[body] + moved, turned
+        body = int(model.body_parentid[body])
+    return place, turn

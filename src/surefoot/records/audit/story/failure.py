@@ -76,12 +76,12 @@ def stray(s: Signals) -> Event | None:
     path = np.cumsum(np.linalg.norm(command, axis=1) * s.dt)
     row = s.first(off > s.limits.strays * s.height + 0.5 * path, s.rows(s.limits.brief))
     if row is None:
-        return _crooked(s)
+        return _lean_to_the_end(s)
     words = f"it is {off[row]:.2f} m from where its command leads, which is {path[row]:.2f} m away"
     return Event("strays", float(s.time[row]), "body", words)
 
 
-def _crooked(s: Signals) -> Event | None:
+def _lean_to_the_end(s: Signals) -> Event | None:
     """Return since when a robot leans until the end, if it does."""
     upright = s.lean < s.limits.crooked
     row = len(upright) - int(np.argmax(upright[::-1]))

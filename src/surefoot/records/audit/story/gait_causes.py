@@ -50,7 +50,11 @@ def feet_down(s: Signals) -> dict[str, BoolArray]:
     """Return link to where (T,) a foot of it is loaded on ground that stands still."""
     feet = s.is_foot & ~s.on_movable
     owners = dict.fromkeys(s.links[k] for k in np.flatnonzero(feet))
-    return {one: s.loaded[:, feet & np.array([x == one for x in s.links])].any(axis=1) for one in owners}
+    out: dict[str, BoolArray] = {}
+    for one in owners:
+        mine = feet & np.array([link == one for link in s.links])
+        out[one] = np.asarray(s.loaded[:, mine].any(axis=1))
+    return out
 
 
 def landings(s: Signals) -> dict[str, list[Landing]]:
@@ -171,7 +175,7 @@ def _tips(s: Signals) -> Sign | None:
     if len(down) == 1:
         stands, most, longest = [next(iter(down.values()))], "one foot", ALONE * s.pendulum_time
     else:
-        stands, most, longest = _on_two(list(down.values())), "two feet", TIPS * s.pendulum_time
+        stands, most, longest = list(_on_two(list(down.values()))), "two feet", TIPS * s.pendulum_time
     rows = [row for on in stands if (row := s.first(on, s.rows(longest))) is not None]
     if not rows or s.rows(longest) < 2:
         return None

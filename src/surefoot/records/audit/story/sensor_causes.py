@@ -85,7 +85,7 @@ def _first_torque(s: Signals) -> Sign | None:
     k = int(share.argmax())
     if share[k] < s.limits.biased or np.delete(share, k).max() > 0.25 * share[k]:
         return None
-    if abs(s.asked[0, k]) < 1.2 * _carries(s)[k]:
+    if abs(s.asked[0, k]) < 1.2 * _weight_on(s)[k]:
         return None
     words = f"{s.joints[k]} is asked for {s.asked[0, k]:+.3g} N m where it was started, at rest; no other is"
     return Sign(float(s.time[0]), s.joints[k], words, SURE)
@@ -135,7 +135,7 @@ def _jump(s: Signals, alone: bool) -> Sign | None:
     return None
 
 
-def _carries(s: Signals) -> FloatArray:
+def _weight_on(s: Signals) -> FloatArray:
     """Return (joints,) the most that gravity asks: of what hangs on each, of all on a slide [N m, N]."""
     facts, count = s.log.facts, s.torques.shape[1]
     names = ("model_parents", "model_masses", "model_positions", "model_joint_bodies", "model_joint_axes")

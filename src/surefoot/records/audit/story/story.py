@@ -60,8 +60,13 @@ def story_of(
         # who loses its way little by little may have done so before the cause of its end
         ordered = _order(found, s, replace(failed, time=float(s.time[-1])))
     causes = tuple(_cause(rule, sign) for rule, sign in ordered)
+    if failed is not None and causes:
+        failed = replace(failed, because=causes[0].name)
     # in the order of the table where times are equal: a set's order is another one in each process
-    events = dict.fromkeys([*(_event(_cause(rule, sign)) for rule, sign in found), *happened])
+    events = dict.fromkeys([
+        *(_with_its_cause(rule, sign, found, s) for rule, sign in found),
+        *(failed if failed is not None and event.name == failed.name else event for event in happened),
+    ])  # fmt: skip
     return Story(tuple(sorted(events, key=lambda e: e.time)), causes, failed)
 
 
@@ -71,6 +76,19 @@ def _cause(rule: Rule, sign: Sign) -> Cause:
 
 def _event(cause: Cause) -> Event:
     return Event(cause.name, cause.time, cause.where, cause.evidence)
+
+
+def _with_its_cause(rule: Rule, sign: Sign, found: list[tuple[Rule, Sign]], s: Signals) -> Event:
+    """Return the event of a sign, with the cause that brought it about: the one that explains a failure then.
+
+    What comes from outside nothing brings about, nor what other links of the same cause have begun.
+    """
+    event = _event(_cause(rule, sign))
+    if rule.outside:
+        return event
+    before = [(r, x) for r, x in found if x.time < sign.time and r.name != rule.name and not r.residual]
+    first = next(iter(_order(before, s, event)), None)
+    return event if first is None else replace(event, because=first[0].name)
 
 
 def _order(found: list[tuple[Rule, Sign]], s: Signals, failed: Event | None) -> list[tuple[Rule, Sign]]:

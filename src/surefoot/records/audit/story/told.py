@@ -19,15 +19,19 @@ class Event:
         Contact, joint or link; "body" for the robot.
     evidence
         The figures that speak for it.
+    because
+        Name of the cause without which it would not have happened; empty for a beginning.
     """
 
     name: str
     time: float
     where: str
     evidence: str
+    because: str = ""
 
     def __str__(self) -> str:
-        return f"{self.time:.2f} s: {self.name} ({self.where}): {self.evidence}"
+        why = f", because of {self.because}" if self.because else ""
+        return f"{self.time:.2f} s: {self.name} ({self.where}): {self.evidence}{why}"
 
 
 @dataclass(frozen=True)

@@ -205,9 +205,9 @@ def returned_energy(s: Signals) -> Iterator[Sign]:
 
 def _struck(s: Signals) -> BoolArray:
     """Return (T,) where something that can move has just begun to press: the ground gives back that blow."""
-    on = (s.loaded & s.on_movable).any(axis=1)
+    on = np.asarray((s.loaded & s.on_movable).any(axis=1))
     begun = np.flatnonzero(on & ~np.concatenate([[False], on[:-1]]))
-    out = np.zeros(len(on), dtype=bool)
+    out: BoolArray = np.zeros(len(on), dtype=np.bool_)
     for row in begun:
         out[row : row + s.rows(s.limits.lies)] = True
     return out
