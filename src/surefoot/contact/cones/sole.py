@@ -172,7 +172,7 @@ class Sole(Drawn):
 
         It is the largest normal force that may be taken away at the centre of the sole before the wrench
         leaves the cone, negative for the least that must be added: f_z less the Minkowski gauge of the cone's
-        section (R. Rockafellar, "Convex Analysis", section 15). Within 1e-8 of the wrench's size.
+        section (R. Rockafellar, "Convex Analysis", section 15). Within 1e-9 of the wrench's size.
         """
         return self._each(wrench, lambda w: w[:, 2] - self._needs(w)[0])
 

@@ -32,18 +32,34 @@ def few_corners(hull: FloatArray, most: int, lost: float) -> FloatArray:
     """Return (k, 2) of the corners of a hull, around it: those whose polygon is nearly as large.
 
     One after the other the corner with the smallest triangle is left out, while more than `most` are left or
-    all that are out make less than the share `lost` of the area; the polygon is inside the hull.
+    all that are out make less than the share `lost` of the area. Each corner that is left is then moved along
+    the hull to where the polygon is largest, until none gains; the polygon is inside the hull.
     """
-    kept, area, out = hull, area_of(hull), 0.0
+    kept, area, out = list(range(len(hull))), area_of(hull), 0.0
     while len(kept) > 3:
-        before, after = np.roll(kept, 1, axis=0) - kept, np.roll(kept, -1, axis=0) - kept
-        sizes = 0.5 * np.abs(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0])
+        sizes = [_triangle(hull, kept[k - 1], kept[k], kept[(k + 1) % len(kept)]) for k in range(len(kept))]
         least = int(np.argmin(sizes))
-        out += float(sizes[least])
+        out += sizes[least]
         if len(kept) <= most and out > lost * area:
             break
-        kept = np.delete(kept, least, axis=0)
-    return kept
+        kept.pop(least)
+    for _ in range(len(hull)):
+        before = list(kept)
+        for k in range(len(kept)):
+            first, last = kept[k - 1], kept[(k + 1) % len(kept)]
+            between = [(first + j) % len(hull) for j in range(1, (last - first) % len(hull))]
+            sizes = [_triangle(hull, first, i, last) for i in between]
+            if max(sizes) > (1.0 + ROUNDING) * _triangle(hull, first, kept[k], last):
+                kept[k] = between[int(np.argmax(sizes))]
+        if kept == before:
+            break
+    return np.asarray(hull[kept])
+
+
+def _triangle(points: FloatArray, i: int, j: int, k: int) -> float:
+    """Return the area of the triangle of three of (n, 2) points [m²]."""
+    a, b = points[i] - points[j], points[k] - points[j]
+    return 0.5 * float(abs(a[0] * b[1] - a[1] * b[0]))
 
 
 def moved_in(corners: FloatArray, distance: float) -> FloatArray:
