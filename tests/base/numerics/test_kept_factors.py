@@ -27,7 +27,12 @@ def test_lu_factors_serve_many_right_sides(n: int) -> None:
 
 @kernel
 def _solve(
-    values: np.ndarray, count: np.ndarray, start: np.ndarray, column: np.ndarray, x: np.ndarray, half: np.ndarray
+    values: np.ndarray,
+    count: np.ndarray,
+    start: np.ndarray,
+    column: np.ndarray,
+    x: np.ndarray,
+    half: np.ndarray,
 ) -> bool:
     if not factor_tree(values, count, start, column):
         return False

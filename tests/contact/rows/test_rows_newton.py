@@ -19,9 +19,7 @@ from surefoot.contact import (
 )
 
 
-def _tables(
-    kinds: list[tuple[int, int, float, float]], G: FloatArray
-) -> tuple[IntArray, FloatArray]:
+def _tables(kinds: list[tuple[int, int, float, float]], G: FloatArray) -> tuple[IntArray, FloatArray]:
     """Return the tables of blocks (kind, rows, mu, limit)."""
     table, numbers, at = [], [], 0
     for kind, dim, mu, limit in kinds:

@@ -34,9 +34,7 @@ def factor_tree(values: FloatArray, count: IntArray, start: IntArray, column: In
 
 
 @inline_kernel
-def solve_tree(
-    values: FloatArray, count: IntArray, start: IntArray, column: IntArray, x: FloatArray
-) -> None:
+def solve_tree(values: FloatArray, count: IntArray, start: IntArray, column: IntArray, x: FloatArray) -> None:
     """Replace x (n,) by M⁻¹ x, with the factors of `factor_tree`."""
     half_solve_tree(values, count, start, column, x)
     for i in range(x.size):

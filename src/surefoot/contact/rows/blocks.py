@@ -135,9 +135,7 @@ def slope(
 
 
 @inline_kernel
-def _soft_slope(
-    dim: int, mode: int, mu: float, R: FloatArray, u: FloatArray, at: int, D: FloatArray
-) -> None:
+def _soft_slope(dim: int, mode: int, mu: float, R: FloatArray, u: FloatArray, at: int, D: FloatArray) -> None:
     """Fill D = -∂p/∂u of `soft_impulse`."""
     D[0, 0] = 1.0 / R[at]
     if mode == STICK:

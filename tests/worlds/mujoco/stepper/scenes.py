@@ -20,7 +20,12 @@ def scene(*bodies: str, option: str = 'cone="elliptic"', extra: str = "", mu: fl
 
 
 def box(
-    pos: str = "0 0 0.1", size: str = "0.1 0.1 0.1", mu: float = 0.5, dim: int = 3, turn: str = "", name: str = "box"
+    pos: str = "0 0 0.1",
+    size: str = "0.1 0.1 0.1",
+    mu: float = 0.5,
+    dim: int = 3,
+    turn: str = "",
+    name: str = "box",
 ) -> str:
     """Return a free box."""
     return f'<body pos="{pos}" {turn}>{BOX.format(size=size, mu=mu, dim=dim, name=name)}</body>'

@@ -169,7 +169,9 @@ def test_a_soft_contact_beside_a_hard_one_is_mujocos_still() -> None:
 
 def test_a_spinning_disc_is_stopped_by_its_spin_friction() -> None:
     """A ball that spins on condim 4 loses mu_spin m g / I per second."""
-    ball = '<body pos="0 0 0.1"><freejoint/><geom size="0.1" mass="1" condim="4" friction="1 0.005 0"/></body>'
+    ball = (
+        '<body pos="0 0 0.1"><freejoint/><geom size="0.1" mass="1" condim="4" friction="1 0.005 0"/></body>'
+    )
     model = scene(ball, mu=1.0)
     data, stepper = mujoco.MjData(model), sf.MujocoStepper(model)
     data.qvel[5] = 10.0

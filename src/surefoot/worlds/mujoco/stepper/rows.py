@@ -131,7 +131,9 @@ def find_impulses(
         # contacts keep their order mostly: the search goes on from the last one found
         for turn in range(old_blocks):
             m = (last + turn) % old_blocks
-            same = keys[k, 0] == old_keys[m, 0] and keys[k, 1] == old_keys[m, 1] and keys[k, 2] == old_keys[m, 2]
+            same = (
+                keys[k, 0] == old_keys[m, 0] and keys[k, 1] == old_keys[m, 1] and keys[k, 2] == old_keys[m, 2]
+            )
             if same and old_first[m, 1] == dim:
                 for a in range(dim):
                     x[at + a] = old[old_first[m, 0] + a]

@@ -178,7 +178,18 @@ def _push(
             c += 1
     x, unused = np.zeros(count), np.zeros(6)
     _solve_parts(
-        M, push, rows, b[:count], own[:count], own_numbers, part_of_tree, tree_of, parts, settings[TOL], x, unused
+        M,
+        push,
+        rows,
+        b[:count],
+        own[:count],
+        own_numbers,
+        part_of_tree,
+        tree_of,
+        parts,
+        settings[TOL],
+        x,
+        unused,
     )
 
 
@@ -227,7 +238,11 @@ def exact_stage(
     for a in range(size):
         columns[a], factors[a] = halves[fixed[COLUMNS] + a], mass[a]
     J, b, scale, x = np.empty((count, nv)), np.empty(count), np.empty(count), np.empty(count)
-    keys, table, numbers = np.empty((count, 3), np.int64), np.empty((count, 4), np.int64), np.zeros((count, 6))
+    keys, table, numbers = (
+        np.empty((count, 3), np.int64),
+        np.empty((count, 4), np.int64),
+        np.zeros((count, 6)),
+    )
     restore_margins(floats, halves, at, layout, count, settings, soft)
     blocks = read_blocks(
         floats, halves, at, layout, count, settings, soft, qvel, J, b, scale, keys, table, numbers
@@ -259,9 +274,7 @@ def exact_stage(
         for j in range(nv):
             total += J[i, j] * v[j]
         u[i] = total
-    _push(
-        floats, at, settings, M, J, table, blocks, u, numbers, trees, tree_of, parts, told, push
-    )
+    _push(floats, at, settings, M, J, table, blocks, u, numbers, trees, tree_of, parts, told, push)
     _write_back(floats, fixed, at, x, J, scale, h, rows, starts, columns, factors)
     for k in range(blocks):
         memory[1][k, 0], memory[1][k, 1] = table[k, 2], table[k, 1]

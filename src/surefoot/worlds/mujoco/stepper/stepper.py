@@ -164,7 +164,9 @@ class MujocoStepper:
         bits = mujoco.mjtDisableBit
         self._undamped = int(bits.mjDSBL_EULERDAMP) | int(bits.mjDSBL_DAMPER)
         self._fwdinv = int(mujoco.mjtEnableBit.mjENBL_FWDINV)
-        self._plain_damping = not np.any(model.dof_dampingpoly) and not np.any(np.array(model.jnt_actuatorid) != -1)
+        self._plain_damping = not np.any(model.dof_dampingpoly) and not np.any(
+            np.array(model.jnt_actuatorid) != -1
+        )
         if self._private.pyramids and model.ngeom:
             warnings.warn(
                 "this model has pyramidal cones: it is stepped with elliptic ones (stepper.model), as exact "
@@ -310,7 +312,10 @@ class MujocoStepper:
     def _bind(self, data: Any) -> None:
         """Find where the arrays of a data lie."""
         model = self.model
-        if not isinstance(data, self._mujoco.MjData) or (data.qpos.size, data.qvel.size) != (model.nq, model.nv):
+        if not isinstance(data, self._mujoco.MjData) or (data.qpos.size, data.qvel.size) != (
+            model.nq,
+            model.nv,
+        ):
             raise ProblemError("step takes the MjData of the stepper's model")
         parts = [
             data.qvel, data.qfrc_smooth, data.qacc_smooth, data.qfrc_constraint, data.qacc, data.M,
