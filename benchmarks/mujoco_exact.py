@@ -20,7 +20,10 @@ import typer
 import surefoot as sf
 from benchmarks.printing import show, table
 
-BOX = '<body pos="{at}"><freejoint/><geom type="box" size="{size}" mass="{mass}" friction="{mu}" condim="{dim}"/></body>'
+BOX = (
+    '<body pos="{at}"><freejoint/>'
+    '<geom type="box" size="{size}" mass="{mass}" friction="{mu}" condim="{dim}"/></body>'
+)
 SETTINGS = {"MuJoCo": {}, "MuJoCo, impratio 100, noslip 10": {"impratio": 100.0, "noslip_iterations": 10}}
 """What is compared beside the exact step."""
 QUICK, WHOLE = 400, 3000
@@ -34,7 +37,8 @@ GRASP = 0.03
 def bodies(*parts: str, option: str = "", extra: str = "", mu: float = 0.5) -> Any:
     """Return a model of bodies over a plane, elliptic cones."""
     floor = f'<geom type="plane" size="99 99 1" friction="{mu}"/>'
-    text = f'<mujoco><option cone="elliptic" {option}/><worldbody>{floor}{"".join(parts)}</worldbody>{extra}</mujoco>'
+    world = f"<worldbody>{floor}{''.join(parts)}</worldbody>"
+    text = f'<mujoco><option cone="elliptic" {option}/>{world}{extra}</mujoco>'
     return mujoco.MjModel.from_xml_string(text)
 
 
@@ -61,7 +65,7 @@ def pinch() -> Any:
     part = box("0 0 1", f"{GRASP} {GRASP} {GRASP}", mass=0.1, mu=1.0, dim=4)
     return bodies(
         left, right, part,
-        extra='<actuator><motor joint="left" ctrlrange="-9 9"/><motor joint="right" ctrlrange="-9 9"/></actuator>',
+        extra='<actuator><motor joint="left"/><motor joint="right"/></actuator>',
     )  # fmt: skip
 
 
@@ -72,10 +76,14 @@ def hand() -> Any:
         angle, height = 2.0 * np.pi * (k % 16) / 16, 0.05 + 0.05 * (k // 16)
         x, y = 0.12 * np.cos(angle), 0.12 * np.sin(angle)
         parts.append(
-            f'<body pos="{x:.6f} {y:.6f} {height}"><joint type="slide" axis="{-x / 0.12:.6f} {-y / 0.12:.6f} 0" '
-            'stiffness="50" springref="0.03" damping="2"/><geom size="0.02" mass="0.02" contype="2" conaffinity="1"/></body>'
+            f'<body pos="{x:.6f} {y:.6f} {height}"><joint type="slide" axis="{-x:.6f} {-y:.6f} 0" '
+            'stiffness="50" springref="0.03" damping="2"/>'
+            '<geom size="0.02" mass="0.02" contype="2" conaffinity="1"/></body>'
         )
-    ball = '<body pos="0 0 0.1"><freejoint/><geom type="sphere" size="0.1" mass="1" contype="1" conaffinity="3"/></body>'
+    ball = (
+        '<body pos="0 0 0.1"><freejoint/>'
+        '<geom type="sphere" size="0.1" mass="1" contype="1" conaffinity="3"/></body>'
+    )
     return bodies(*parts, ball)
 
 
@@ -84,7 +92,8 @@ def robot(name: str) -> tuple[Any, Any]:
     world = sf.MujocoWorld(sf.load_robot(name), mu=0.7)
     model, start = world.model, world.data
     joints, weight = world.robot.joints, world.robot.mass * 9.81
-    # springs at the joints and damping that Euler's method takes implicitly: explicit control of wrists is not stable
+    # springs at the joints and damping that Euler's method takes implicitly: explicit
+    # control of wrists is not stable
     model.jnt_stiffness[-joints:], model.qpos_spring[-joints:] = HOLD * weight, start.qpos[-joints:]
     model.dof_damping[-joints:] = SLOW * HOLD * weight
     return model, start

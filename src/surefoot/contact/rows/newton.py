@@ -6,7 +6,8 @@ For impulses λ of the blocks (`blocks`) and velocities v after the step,
 
 is solved for v by Newton's method, then λ becomes p, until λ stays: the proximal method of multipliers on
 Alart and Curnier's equations. The matrix M + Jᵀ (-∂p/∂u) J has the size of the part, whatever number of rows,
-and a finite ρ lets rows that say the same twice share their load. Penalties begin soft, so that who sticks and
+and a finite ρ lets rows that say the same twice share their load. Penalties begin soft, so that who sticks
+and
 who slides sorts itself out, and grow while the error falls; where it grows instead, the best impulses are
 taken up again, more softly.
 
@@ -25,7 +26,6 @@ from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import inline_kernel, kernel
 from surefoot.base.numerics.lu_factors import apply_lu, factor_lu
 from surefoot.contact.rows.blocks import (
-    CONE_ROWS,
     DIM,
     DRY_ROW,
     FIRST,
@@ -51,12 +51,14 @@ PATIENCE, FULL, SEARCHES, FLAT = 12, 2, 12, 0.1
 """Newton steps for one λ where who sticks and who slides does not settle, and those of them that are whole at
 any rate; evaluations along a later one, and the share of the first slope at which they end."""
 ROW_PENALTY, TOP, SOFTEST = 1e3, 1e2, 1e-3
-"""Penalty of a row times its inertia's inverse [-], and the largest and least shares of it that are used [-]."""
+"""Penalty of a row times its inertia's inverse [-], and the largest and least shares of it that are used
+[-]."""
 UP, DOWN, GRACE = 10.0, 100.0, 3
 """Factors of the share after a round that was better, and after the rounds without a better error that are
 let go on."""
 ROW_ATTEMPTS = ((1e-3, True), (1.0, False), (0.1, False), (1e-3, False))
-"""First share, and whether from the impulses at hand; else from none: what one start misses, another finds."""
+"""First share, and whether from the impulses at hand; else from none: what one start misses, another
+finds."""
 
 
 @inline_kernel
@@ -162,8 +164,8 @@ def worst_error(table: IntArray, numbers: FloatArray, x: FloatArray, u: FloatArr
 def free_speed(table: IntArray, k: int, b: FloatArray, u: FloatArray) -> float:
     """Return how fast a block's rows move that its impulses have to stop [m/s]; 0 for what does not close."""
     at, kind = table[k, FIRST], table[k, KIND]
-    if kind == HELD_ROW or kind == DRY_ROW:
-        return abs(u[at])
+    if kind in (HELD_ROW, DRY_ROW):
+        return float(abs(u[at]))
     if not u[at] < 0.0 and kind != SOFT_ROWS:
         return 0.0
     square = 0.0
@@ -228,7 +230,8 @@ def _shorten(
 ) -> None:  # fmt: skip
     """Go back along a step that was taken to where the residual has no part along it, by regula falsi.
 
-    Where the rows' laws are those of a convex function (all but friction's tie to the normal force) that is its
+    Where the rows' laws are those of a convex function (all but friction's tie to the normal force) that is
+    its
     least value on the way, and Newton's method with it finds the solution from anywhere.
     """
     low, high, at_low, length = 0.0, 1.0, -down, 1.0
@@ -270,7 +273,7 @@ def _settle(
     numbers: FloatArray, share: float, x: FloatArray, known: bool, H: FloatArray, order: IntArray,
     v: FloatArray, work: tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, IntArray],
 ) -> tuple[int, bool, bool]:  # fmt: skip
-    """Take Newton steps for the impulses x until the modes stay; return their number, whether, and if H holds.
+    """Take Newton steps for the impulses x until the modes stay; return their number, if so, and if H holds.
 
     The work holds u, p (m,) of v, the step and room (n,), room (6, n + 1), and the modes.
     """
@@ -303,7 +306,7 @@ def solve_part(
     M: FloatArray, v: FloatArray, J: FloatArray, b: FloatArray, table: IntArray, numbers: FloatArray,
     share: float, tol: float, forces: FloatArray,
 ) -> tuple[int, float, float]:  # fmt: skip
-    """Solve one connected part; return the Newton steps, and the velocity error over the scale, and that [m/s].
+    """Solve one connected part; return the Newton steps, the velocity error over the scale, and that [m/s].
 
     Parameters
     ----------

@@ -9,14 +9,14 @@ from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import INTEGER, MATRIX, VECTOR, inline_kernel, kernel, window
 from surefoot.base.numerics.lu_factors import apply_lu, factor_lu
 from surefoot.base.numerics.tree_factor import factor_tree, half_solve_tree, solve_tree
-from surefoot.contact import SOFT_ROWS, ROW_ATTEMPTS, ROW_PENALTY, count_parts, solve_part
+from surefoot.contact import ROW_ATTEMPTS, ROW_PENALTY, SOFT_ROWS, count_parts, solve_part
 from surefoot.worlds.mujoco.stepper.rows import (
     FIRST_BYTE,
     FORCE,
     ID,
     SHARE,
-    START,
     SOFTNESS,
+    START,
     STEP,
     TOL,
     TYPE,
@@ -79,7 +79,7 @@ def _solve_parts(
     part_of_tree: IntArray, tree_of: IntArray, parts: int, tol: float, x: FloatArray, told: FloatArray,
 ) -> None:  # fmt: skip
     """Solve every connected part: x (m,) impulses and free (nv,) velocities are replaced."""
-    nv, m, count = free.size, b.size, table.shape[0]
+    nv, _m, count = free.size, b.size, table.shape[0]
     dofs, members = np.empty(nv, np.int64), np.empty(count, np.int64)
     for part in range(parts):
         n = few = rows = 0
@@ -158,7 +158,7 @@ def _push(
     blocks: int, u: FloatArray, numbers: FloatArray, part_of_tree: IntArray, tree_of: IntArray, parts: int,
     told: FloatArray, push: FloatArray,
 ) -> None:  # fmt: skip
-    """Fill the velocity (nv,) that undoes the share of the violations, beside the motion's own; 0 for none."""
+    """Fill the velocity (nv,) that undoes the share of the violations; 0 for none."""
     m, nv = u.size, push.size
     for j in range(nv):
         push[j] = 0.0
@@ -226,7 +226,7 @@ def exact_stage(
     qvel = window(floats, fixed[QVEL], 1, nv)[0]
     at = np.empty(11, np.int64)
     for a in range(11):
-        size = 4 if a == TYPE or a == ID else 8
+        size = 4 if a in (TYPE, ID) else 8
         at[a] = (words[fixed[STRUCT] + arena[a]] - FIRST_BYTE) // size
     rows, starts, tree_of = np.empty(nv, np.int64), np.empty(nv, np.int64), np.empty(nv, np.int64)
     for i in range(nv):
