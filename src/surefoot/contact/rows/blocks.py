@@ -73,7 +73,7 @@ def project(
 
 @inline_kernel
 def soft_impulse(dim: int, mu: float, R: FloatArray, u: FloatArray, at: int, p: FloatArray) -> int:
-    """Fill the impulse of a soft block: the nearest to -u / R in the metric R, within the cone.
+    """Fill p (m,) with the impulse of a soft block: the nearest to -u / R in the metric R, within the cone.
 
     Rows are scaled: R is one number for all friction rows (MuJoCo's R_j mu_j² are all the same).
     """
@@ -163,10 +163,10 @@ def _soft_slope(dim: int, mode: int, mu: float, R: FloatArray, u: FloatArray, at
 def block_error(
     kind: int, dim: int, mu: float, limit: float, w: float, x: FloatArray, u: FloatArray, at: int
 ) -> float:
-    """Return the velocity error of a block [m/s]: w ||λ - P_K(λ - (u + Γ(u)) / w)||, or the approach.
+    """Return the velocity error of a block, w ||λ - P_K(λ - (u + Γ(u)) / w)||, of x, u (m,) [m/s].
 
     The natural map of De Saxcé's form, not of the one that the solver linearises; evaluated in velocities,
-    so that large impulses do not hide small ones.
+    so that large impulses do not hide small ones; at least the speed of approach.
     """
     if kind == HELD_ROW:
         return float(abs(u[at]))

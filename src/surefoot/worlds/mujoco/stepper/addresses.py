@@ -39,7 +39,7 @@ _PROBE = """
 
 @cache
 def all_memory() -> tuple[FloatArray, IntArray, Any]:
-    """Return views of all memory as float64, int64 and int32, to look addresses up in."""
+    """Return views (n,) of all memory as float64, int64 and int32, to look addresses up in."""
     floats = (ctypes.c_double * (SPAN // 8)).from_address(FIRST_BYTE)
     whole = (ctypes.c_int64 * (SPAN // 8)).from_address(FIRST_BYTE)
     half = (ctypes.c_int32 * (SPAN // 4)).from_address(FIRST_BYTE)
@@ -54,7 +54,7 @@ def place_of(array: Any) -> int:
 
 @cache
 def arena_words(mujoco: Any) -> IntArray:
-    """Return at which words of mjData the addresses of `ARENA` stand, then that of the contacts.
+    """Return at which words (11,) of mjData the addresses of `ARENA` stand, then that of the contacts.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def _words_of(words: IntArray, array: Any) -> IntArray:
 
 @cache
 def contact_places(mujoco: Any) -> IntArray:
-    """Return a contact's size in bytes, and the offsets of `CONTACT_FIELDS` in it."""
+    """Return (8,) a contact's size, and the offsets of `CONTACT_FIELDS` in it, in bytes."""
     model = mujoco.MjModel.from_xml_string(_PROBE)
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)

@@ -51,9 +51,9 @@ class ExactContact:
         self._functions.install(
             {
                 "mj_step": self._step,
-                "mj_step1": self._taken(MujocoStepper.step_first),
-                "mj_step2": self._taken(MujocoStepper.step_half),
-                "mj_forward": self._taken(MujocoStepper.forward),
+                "mj_step1": self._take_over(MujocoStepper.step_first),
+                "mj_step2": self._take_over(MujocoStepper.step_half),
+                "mj_forward": self._take_over(MujocoStepper.forward),
             }
         )
         return self
@@ -81,7 +81,7 @@ class ExactContact:
         """Return whether a call is not ours to take over: another thread's, or the stepper's own."""
         return self._inside or threading.get_ident() != self._thread
 
-    def _taken(
+    def _take_over(
         self, method: Callable[[MujocoStepper, Any], None]
     ) -> Callable[[str, Callable[..., Any]], Callable[..., Any]]:
         """Return what replaces a function of a model and a data by a stepper's method."""

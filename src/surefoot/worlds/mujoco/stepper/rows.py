@@ -102,7 +102,7 @@ def restore_margins(
     floats: FloatArray, halves: IntArray, at: IntArray, layout: IntArray, count: int, settings: FloatArray,
     soft: FloatArray,
 ) -> None:  # fmt: skip
-    """Take the reach out of the margins again: users see those of their model."""
+    """Take the reach out of the margins of `count` rows (count,) again: users see those of their model."""
     for i in range(count):
         kind, number = halves[at[TYPE] + i], halves[at[ID] + i]
         if kind in (LIMIT_JOINT, LIMIT_TENDON):
@@ -122,7 +122,7 @@ def find_impulses(
     keys: IntArray, table: IntArray, blocks: int, old_keys: IntArray, old: FloatArray, old_first: IntArray,
     old_blocks: int, x: FloatArray,
 ) -> None:  # fmt: skip
-    """Fill x with the last step's impulses of blocks of the same kind, object and order; else zero."""
+    """Fill x (m,) with the last step's impulses of blocks of the same kind, object and order; else zero."""
     last = 0
     for k in range(blocks):
         at, dim = table[k, 2], table[k, 1]
@@ -146,7 +146,7 @@ def violation_rows(
     floats: FloatArray, at: IntArray, settings: FloatArray, table: IntArray, blocks: int, u: FloatArray,
     push_table: IntArray, push_b: FloatArray, picked: IntArray,
 ) -> tuple[int, float]:  # fmt: skip
-    """Fill the normal rows of the position's own problem; return their number and the worst violation [m].
+    """Fill the normal rows (n,) of the position's own problem; return their number and the worst violation [m].
 
     Each is a block of one row: a violation's share is undone, what is open may close but not more.
     """

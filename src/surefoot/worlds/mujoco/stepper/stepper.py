@@ -22,6 +22,7 @@ from surefoot.worlds.mujoco.stepper.runge_kutta import finish_runge_kutta
 from surefoot.worlds.mujoco.stepper.stage import (
     BLOCKS,
     ERROR,
+    LAST,
     SPEED,
     STAGE_TYPES,
     STEPS,
@@ -188,7 +189,7 @@ class MujocoStepper:
 
     def reset(self) -> None:
         """Forget the last impulses: the next step starts from none."""
-        self._told[7] = 0.0
+        self._told[LAST] = 0.0
 
     def step(self, data: Any) -> None:
         """Advance the data by a time step, in place of ``mujoco.mj_step``."""
@@ -281,7 +282,7 @@ class MujocoStepper:
             mujoco.mj_fwdConstraint(model, data)
             return
         if count > len(self._memory[2]):
-            self._memory, self._told[7] = _room(2 * count), 0.0
+            self._memory, self._told[LAST] = _room(2 * count), 0.0
         settings = self._settings
         settings[STEP], settings[START] = self._option.timestep, 0.0
         if start is not None:
@@ -354,7 +355,7 @@ class MujocoStepper:
         """Have MuJoCo solve the step softly, and count it."""
         mujoco, plain = self._mujoco, self._private.plain
         self.unsolved += 1
-        self._status, self._told[7] = Status.STALLED, 0.0
+        self._status, self._told[LAST] = Status.STALLED, 0.0
         contact = data.contact
         if data.ncon:
             contact.exclude[(contact.dist >= contact.includemargin) & (contact.exclude == 0)] = 1
