@@ -62,7 +62,7 @@ def fill_residual(
     M: FloatArray, free: FloatArray, J: FloatArray, columns: IntArray, table: IntArray, v: FloatArray,
     p: FloatArray, out: FloatArray,
 ) -> None:  # fmt: skip
-    """Fill the dynamics' residual M (v - v_free) - Jᵀ p."""
+    """Fill the dynamics' residual (n,) M (v - v_free) - Jᵀ p."""
     n = v.size
     for i in range(n):
         total = 0.0
@@ -103,7 +103,7 @@ def evaluate_blocks(
     table: IntArray, numbers: FloatArray, share: float, x: FloatArray, u: FloatArray, p: FloatArray,
     modes: IntArray,
 ) -> bool:  # fmt: skip
-    """Fill impulses and modes of all blocks; return whether the modes are those that stood there."""
+    """Fill impulses p (m,) and modes (k,) of all blocks; return whether the modes are those that stood there."""
     same = True
     for k in range(table.shape[0]):
         mode = project(
@@ -147,7 +147,7 @@ def assemble_matrix(
     M: FloatArray, J: FloatArray, columns: IntArray, table: IntArray, numbers: FloatArray, share: float,
     x: FloatArray, u: FloatArray, modes: IntArray, H: FloatArray, moved: FloatArray,
 ) -> bool:  # fmt: skip
-    """Fill H = M - Jᵀ ∂p/∂u J; return whether it is the same for all velocities of these modes."""
+    """Fill H = M - Jᵀ ∂p/∂u J (n, n); return whether it is the same for all velocities of these modes."""
     D = np.empty((WIDEST, WIDEST))
     n, steady = M.shape[0], True
     for i in range(n):
@@ -165,7 +165,7 @@ def assemble_matrix(
 
 @inline_kernel
 def take_impulses(table: IntArray, source: FloatArray, x: FloatArray) -> None:
-    """Copy the impulses of all blocks but soft ones, whose place in x holds their softness."""
+    """Copy the impulses (m,) of all blocks but soft ones, whose place in x holds their softness."""
     for k in range(table.shape[0]):
         if table[k, KIND] != SOFT_ROWS:
             for i in range(table[k, FIRST], table[k, FIRST] + table[k, DIM]):

@@ -146,7 +146,7 @@ def violation_rows(
     floats: FloatArray, at: IntArray, settings: FloatArray, table: IntArray, blocks: int, u: FloatArray,
     push_table: IntArray, push_b: FloatArray, picked: IntArray,
 ) -> tuple[int, float]:  # fmt: skip
-    """Fill the normal rows (n,) of the position's own problem; return their number and the worst violation [m].
+    """Fill the normal rows (n,) of the position's own problem; return their number and the worst violation.
 
     Each is a block of one row: a violation's share is undone, what is open may close but not more.
     """
