@@ -103,7 +103,7 @@ def evaluate_blocks(
     table: IntArray, numbers: FloatArray, share: float, x: FloatArray, u: FloatArray, p: FloatArray,
     modes: IntArray,
 ) -> bool:  # fmt: skip
-    """Fill impulses p (m,) and modes (k,) of all blocks; return whether the modes are those that stood there."""
+    """Fill impulses p (m,) and modes (k,) of all blocks; return whether the modes are as they were."""
     same = True
     for k in range(table.shape[0]):
         mode = project(
