@@ -27,7 +27,8 @@ OPEN, STICK, SLIDE, LOW, HIGH = range(5)
 KIND, DIM, FIRST, PART = range(4)
 """Columns of the blocks' table of whole numbers: kind, number of rows, first row, connected part."""
 MU, LIMIT, WEIGHT, STIFF, STIFF_T, SCALE = range(6)
-"""Columns of their table of numbers: friction [-], limit of dry friction [N s], velocity per impulse (the trace
+"""Columns of their table of numbers: friction [-], limit of dry friction [N s], velocity per impulse (the
+trace
 of the block of G) [1/kg], penalties of the first row and of the others [kg], speed that errors are measured
 over [m/s]."""
 
@@ -72,7 +73,7 @@ def project(
 
 @inline_kernel
 def soft_impulse(dim: int, mu: float, R: FloatArray, u: FloatArray, at: int, p: FloatArray) -> int:
-    """Fill the impulse of a soft block: the nearest to -u / R in the metric R, within the cone.
+    """Fill p (m,) with the impulse of a soft block: the nearest to -u / R in the metric R, within the cone.
 
     Rows are scaled: R is one number for all friction rows (MuJoCo's R_j mu_j² are all the same).
     """
@@ -109,7 +110,7 @@ def slope(
     for a in range(dim):
         for b in range(dim):
             D[a, b] = 0.0
-    if mode == OPEN or mode == LOW or mode == HIGH:
+    if mode in (OPEN, LOW, HIGH):
         return
     if kind == SOFT_ROWS:
         _soft_slope(dim, mode, mu, x, u, at, D)
@@ -162,22 +163,22 @@ def _soft_slope(dim: int, mode: int, mu: float, R: FloatArray, u: FloatArray, at
 def block_error(
     kind: int, dim: int, mu: float, limit: float, w: float, x: FloatArray, u: FloatArray, at: int
 ) -> float:
-    """Return the velocity error of a block [m/s]: w ||λ - P_K(λ - (u + Γ(u)) / w)||, and at least the approach.
+    """Return the velocity error of a block, w ||λ - P_K(λ - (u + Γ(u)) / w)||, of x, u (m,) [m/s].
 
     The natural map of De Saxcé's form, not of the one that the solver linearises; evaluated in velocities,
-    so that large impulses do not hide small ones.
+    so that large impulses do not hide small ones; at least the speed of approach.
     """
     if kind == HELD_ROW:
-        return abs(u[at])
+        return float(abs(u[at]))
     own, v = w * x[at], u[at]
     if kind == DRY_ROW:
         bound = w * limit
         point = min(max(own - v, -bound), bound)
-        return max(abs(own - point), (abs(own) - bound))
+        return float(max(abs(own - point), abs(own) - bound))
     if kind == SOFT_ROWS:
         return 0.0
     if dim == 1:
-        return max(abs(v) if own > v else abs(own), -min(v, own))
+        return float(max(abs(v) if own > v else abs(own), -min(v, own)))
     speed = size = 0.0
     for a in range(1, dim):
         speed += u[at + a] * u[at + a]
@@ -194,7 +195,7 @@ def block_error(
     gap = (own - height) ** 2
     for a in range(1, dim):
         gap += (w * x[at + a] - share * (w * x[at + a] - u[at + a])) ** 2
-    return max(math.sqrt(gap), -v)
+    return float(max(math.sqrt(gap), -v))
 
 
 @inline_kernel

@@ -182,7 +182,8 @@ def test_a_spinning_disc_is_stopped_by_its_spin_friction() -> None:
 
 def test_two_coefficients_are_an_ellipse() -> None:
     """A pair with friction 0.8 along x and 0.2 along y brakes each by its own."""
-    pair = '<contact><pair geom1="floor" geom2="box" friction="0.8 0.2 0.005 0.0001 0.0001" condim="3"/></contact>'
+    friction = "0.8 0.2 0.005 0.0001 0.0001"
+    pair = f'<contact><pair geom1="floor" geom2="box" friction="{friction}" condim="3"/></contact>'
     for axis in (0, 1):
         model = scene(box(), extra=pair)
         data, stepper = mujoco.MjData(model), sf.MujocoStepper(model)
@@ -219,7 +220,7 @@ def test_a_penetration_goes_without_giving_speed() -> None:
 
 
 def test_redundant_and_contradicting_rows() -> None:
-    """Two welds that say the same share their load; two that contradict each other are counted, not hidden."""
+    """Two welds that say the same share their load; two positions that contradict are told."""
     twice = '<equality><weld body1="box"/><weld body1="box"/></equality>'
     body = '<body name="box" pos="0 0 1"><freejoint/><geom type="box" size="0.1 0.1 0.1" mass="1"/></body>'
     model = scene(body, extra=twice)
@@ -227,7 +228,8 @@ def test_redundant_and_contradicting_rows() -> None:
     _run(stepper, data, 50)
     assert np.abs(data.qpos[:3] - [0.0, 0.0, 1.0]).max() < 1e-9
     # a slide that an equality holds at 1 and a limit at most at 0: positions contradict, velocities do not
-    joint = '<body pos="0 0 1"><joint name="rail" type="slide" axis="1 0 0" range="-1 0"/><geom size="0.1"/></body>'
+    rail = '<joint name="rail" type="slide" axis="1 0 0" range="-1 0"/>'
+    joint = f'<body pos="0 0 1">{rail}<geom size="0.1"/></body>'
     held = '<equality><joint joint1="rail" polycoef="1 0 0 0 0"/></equality>'
     model = scene(joint, extra=held)
     data, stepper = mujoco.MjData(model), sf.MujocoStepper(model)

@@ -1,6 +1,7 @@
 """MuJoCo's own arrays, reached from compiled code by their addresses.
 
-Constraints and contacts lie in an arena: their arrays move at every step, and to ask MuJoCo's bindings for each
+Constraints and contacts lie in an arena: their arrays move at every step, and to ask MuJoCo's bindings for
+each
 of them takes longer than a small step. The struct that holds their addresses does not move.
 """
 
@@ -23,7 +24,8 @@ SPAN = 1 << 47
 WORDS = 60_000
 """Words of the struct mjData that are searched; MuJoCo 4.0.0's fields end before 30,000."""
 ARENA = (
-    "efc_J", "efc_type", "efc_id", "efc_pos", "efc_margin", "efc_frictionloss", "efc_vel", "efc_aref", "efc_R",
+    "efc_J", "efc_type", "efc_id", "efc_pos", "efc_margin", "efc_frictionloss", "efc_vel", "efc_aref",
+    "efc_R",
     "efc_force",
 )  # fmt: skip
 """Arrays of constraints that are read or written."""
@@ -37,7 +39,7 @@ _PROBE = """
 
 @cache
 def all_memory() -> tuple[FloatArray, IntArray, Any]:
-    """Return views of all memory as float64, int64 and int32: an address is looked up, never a range copied."""
+    """Return views (n,) of all memory as float64, int64 and int32, to look addresses up in."""
     floats = (ctypes.c_double * (SPAN // 8)).from_address(FIRST_BYTE)
     whole = (ctypes.c_int64 * (SPAN // 8)).from_address(FIRST_BYTE)
     half = (ctypes.c_int32 * (SPAN // 4)).from_address(FIRST_BYTE)
@@ -52,7 +54,7 @@ def place_of(array: Any) -> int:
 
 @cache
 def arena_words(mujoco: Any) -> IntArray:
-    """Return at which words of mjData the addresses of `ARENA` stand, then that of the contacts.
+    """Return at which words (11,) of mjData the addresses of `ARENA` stand, then that of the contacts.
 
     Raises
     ------
@@ -86,10 +88,10 @@ def _words_of(words: IntArray, array: Any) -> IntArray:
 
 @cache
 def contact_places(mujoco: Any) -> IntArray:
-    """Return a contact's size in bytes, and the offsets of `CONTACT_FIELDS` in it."""
+    """Return (8,) a contact's size, and the offsets of `CONTACT_FIELDS` in it, in bytes."""
     model = mujoco.MjModel.from_xml_string(_PROBE)
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     struct = contact_struct(data.contact)
-    fields = struct.fields or {}
+    fields: Any = struct.fields
     return np.array([struct.itemsize, *(int(fields[name][1]) for name in CONTACT_FIELDS)], dtype=np.int64)

@@ -51,9 +51,9 @@ class ExactContact:
         self._functions.install(
             {
                 "mj_step": self._step,
-                "mj_step1": self._taken(MujocoStepper.step_first),
-                "mj_step2": self._taken(MujocoStepper.step_half),
-                "mj_forward": self._taken(MujocoStepper.forward),
+                "mj_step1": self._take_over(MujocoStepper.step_first),
+                "mj_step2": self._take_over(MujocoStepper.step_half),
+                "mj_forward": self._take_over(MujocoStepper.forward),
             }
         )
         return self
@@ -64,8 +64,9 @@ class ExactContact:
         self._functions.remove()
         if kind is None and self.steps == 0:
             raise ProblemError(
-                "exact_contact took over no step: it sees mujoco.mj_step, mj_step1 and mj_step2 called from Python in "
-                "its own thread; loops in C++ (mujoco.rollout, the viewer's own) are out of its reach"
+                "exact_contact took over no step: it sees mujoco.mj_step, mj_step1 and mj_step2 called from "
+                "Python in its own thread; loops in C++ (mujoco.rollout, the viewer's own) are out "
+                "of its reach"
             )
 
     def _of(self, model: Any) -> MujocoStepper:
@@ -80,7 +81,7 @@ class ExactContact:
         """Return whether a call is not ours to take over: another thread's, or the stepper's own."""
         return self._inside or threading.get_ident() != self._thread
 
-    def _taken(
+    def _take_over(
         self, method: Callable[[MujocoStepper, Any], None]
     ) -> Callable[[str, Callable[..., Any]], Callable[..., Any]]:
         """Return what replaces a function of a model and a data by a stepper's method."""
@@ -121,8 +122,10 @@ class ExactContact:
 def exact_contact(**options: Unpack[StepperOptions]) -> ExactContact:
     """Return a context in which MuJoCo's steps from Python have exact contacts.
 
-    ``mujoco.mj_step`` (with `nstep`), the pair ``mj_step1`` and ``mj_step2``, and ``mj_forward`` are taken over by a
-    `MujocoStepper` for each model, in the thread that enters; what C++ steps by itself (``mujoco.rollout``, the
+    ``mujoco.mj_step`` (with `nstep`), the pair ``mj_step1`` and ``mj_step2``, and ``mj_forward`` are taken
+    over by a
+    `MujocoStepper` for each model, in the thread that enters; what C++ steps by itself (``mujoco.rollout``,
+    the
     viewer's thread) is out of reach. On leaving they are put back, after an exception, too.
 
     Parameters
@@ -139,7 +142,8 @@ def exact_contact(**options: Unpack[StepperOptions]) -> ExactContact:
     --------
     >>> import mujoco
     >>> body = '<body pos="0 0 0.1"><freejoint/><geom type="box" size="0.1 0.1 0.1"/></body>'
-    >>> text = f'<mujoco><option cone="elliptic"/><worldbody><geom type="plane" size="9 9 1"/>{body}</worldbody></mujoco>'
+    >>> world = f'<worldbody><geom type="plane" size="9 9 1"/>{body}</worldbody>'
+    >>> text = f'<mujoco><option cone="elliptic"/>{world}</mujoco>'
     >>> model = mujoco.MjModel.from_xml_string(text)
     >>> data = mujoco.MjData(model)
     >>> with exact_contact() as used:

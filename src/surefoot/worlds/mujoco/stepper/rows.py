@@ -59,7 +59,7 @@ def read_blocks(
         base = 0
         if kind == EQUALITY:
             row_kind = HELD_ROW
-        elif kind == FRICTION_DOF or kind == FRICTION_TENDON:
+        elif kind in (FRICTION_DOF, FRICTION_TENDON):
             row_kind, limit = DRY_ROW, h * floats[at[DRY_LIMIT] + i]
         elif kind >= FRICTIONLESS:
             base = 8 * at[CONTACTS] + layout[STRIDE] * number
@@ -85,7 +85,7 @@ def read_blocks(
             else:
                 # what a surface's own motion adds
                 b[i + a] = share * (floats[at[VELOCITY] + i + a] - moved)
-        if row_kind == STOP_ROW or row_kind == CONE_ROWS:
+        if row_kind in (STOP_ROW, CONE_ROWS):
             speed = floats[at[VELOCITY] + i]
             if settings[BOUNCE] > 0.0 and speed < -settings[SLOWEST] and gap + h * speed <= 0.0:
                 b[i] += settings[BOUNCE] * speed
@@ -102,10 +102,10 @@ def restore_margins(
     floats: FloatArray, halves: IntArray, at: IntArray, layout: IntArray, count: int, settings: FloatArray,
     soft: FloatArray,
 ) -> None:  # fmt: skip
-    """Take the reach out of the margins again: users see those of their model."""
+    """Take the reach out of the margins of `count` rows (count,) again: users see those of their model."""
     for i in range(count):
         kind, number = halves[at[TYPE] + i], halves[at[ID] + i]
-        if kind == LIMIT_JOINT or kind == LIMIT_TENDON:
+        if kind in (LIMIT_JOINT, LIMIT_TENDON):
             floats[at[MARGIN] + i] -= settings[LIMIT_REACH]
         elif kind >= FRICTIONLESS:
             base = 8 * at[CONTACTS] + layout[STRIDE] * number
@@ -122,7 +122,7 @@ def find_impulses(
     keys: IntArray, table: IntArray, blocks: int, old_keys: IntArray, old: FloatArray, old_first: IntArray,
     old_blocks: int, x: FloatArray,
 ) -> None:  # fmt: skip
-    """Fill x with the last step's impulses of blocks of the same kind, object and order; else zero."""
+    """Fill x (m,) with the last step's impulses of blocks of the same kind, object and order; else zero."""
     last = 0
     for k in range(blocks):
         at, dim = table[k, 2], table[k, 1]
@@ -146,14 +146,14 @@ def violation_rows(
     floats: FloatArray, at: IntArray, settings: FloatArray, table: IntArray, blocks: int, u: FloatArray,
     push_table: IntArray, push_b: FloatArray, picked: IntArray,
 ) -> tuple[int, float]:  # fmt: skip
-    """Fill the normal rows of the position's own problem; return their number and the worst violation [m].
+    """Fill the normal rows (n,) of the position's own problem; return their number and the worst violation.
 
     Each is a block of one row: a violation's share is undone, what is open may close but not more.
     """
     count, worst, h = 0, 0.0, settings[STEP]
     for k in range(blocks):
         kind, i = table[k, 0], table[k, 2]
-        if kind == DRY_ROW or kind == SOFT_ROWS:
+        if kind in (DRY_ROW, SOFT_ROWS):
             continue
         gap = floats[at[POS] + i] - floats[at[MARGIN] + i]
         held = kind == HELD_ROW

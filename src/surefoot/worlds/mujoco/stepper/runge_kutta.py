@@ -4,7 +4,8 @@ Every stage's forces are those with which a whole step from the step's first vel
 velocity that the four make together is a mean of lawful ones, with positive weights, and so lawful where the
 contacts stay the same.
 
-Where nothing touches in any stage the step is MuJoCo's own: its method for turning bodies is of a higher order
+Where nothing touches in any stage the step is MuJoCo's own: its method for turning bodies is of a higher
+order
 than the mean of angular velocities that is taken here.
 """
 

@@ -36,7 +36,7 @@ STAGE_TYPES = (
     VECTOR, WORDS, HALVES, WORDS, WORDS, WORDS, INTEGER, VECTOR, VECTOR, VECTOR, MATRIX,
     numba.types.Tuple((TABLE, TABLE, VECTOR)), VECTOR, VECTOR,
 )  # fmt: skip
-ERROR, SPEED, STEPS, BLOCKS, UNSOLVED, VIOLATION = range(6)
+ERROR, SPEED, STEPS, BLOCKS, UNSOLVED, VIOLATION, _, LAST = range(8)
 """What the stage tells: velocity error over the speed, the speed [m/s], Newton steps, blocks, connected parts
 that are not solved, and the largest violation of a position [m, rad]."""
 SMALL = 1e-9
@@ -74,12 +74,42 @@ def _weights(
 
 
 @inline_kernel
+def _try_starts(
+    M: FloatArray, v: FloatArray, J: FloatArray, b: FloatArray, table: IntArray, numbers: FloatArray,
+    tol: float, x: FloatArray, told: FloatArray,
+) -> None:  # fmt: skip
+    """Solve one part from one start after another; x (rows,) impulses and v (n,) velocities are replaced."""
+    least, speed, start, free = np.inf, 0.0, x.copy(), v.copy()
+    for i in range(x.size):
+        x[i] = 0.0
+    for attempt in ROW_ATTEMPTS:
+        trial, moved = start.copy(), free.copy()
+        if not attempt[1]:
+            for k in range(table.shape[0]):
+                if table[k, 0] != SOFT_ROWS:
+                    for i in range(table[k, 2], table[k, 2] + table[k, 1]):
+                        trial[i] = 0.0
+        used, error, speed = solve_part(M, moved, J, b, table, numbers, attempt[0], tol, trial)
+        told[STEPS] += used
+        if error < least:
+            least = error
+            for i in range(x.size):
+                x[i] = trial[i]
+            for i in range(v.size):
+                v[i] = moved[i]
+        if least <= tol:
+            break
+    told[ERROR], told[SPEED] = max(told[ERROR], least), max(told[SPEED], speed)
+    told[UNSOLVED] += 0.0 if least <= tol else 1.0
+
+
+@inline_kernel
 def _solve_parts(
     M: FloatArray, free: FloatArray, J: FloatArray, b: FloatArray, table: IntArray, numbers: FloatArray,
     part_of_tree: IntArray, tree_of: IntArray, parts: int, tol: float, x: FloatArray, told: FloatArray,
 ) -> None:  # fmt: skip
     """Solve every connected part: x (m,) impulses and free (nv,) velocities are replaced."""
-    nv, m, count = free.size, b.size, table.shape[0]
+    nv, count = free.size, table.shape[0]
     dofs, members = np.empty(nv, np.int64), np.empty(count, np.int64)
     for part in range(parts):
         n = few = rows = 0
@@ -92,12 +122,11 @@ def _solve_parts(
                 members[few] = k
                 few += 1
                 rows += table[k, 1]
-        own_M, own_J = np.empty((n, n)), np.empty((rows, n))
+        own_M, own_J, v = np.empty((n, n)), np.empty((rows, n)), np.empty(n)
         own_table, own_numbers = np.empty((few, 4), np.int64), np.empty((few, 6))
-        vectors, v, start = np.empty((3, rows)), np.empty(n), np.empty(n)
-        own_b, own_x, best = vectors[0], vectors[1], vectors[2]
+        own_b, own_x, source = np.empty(rows), np.empty(rows), np.empty(rows, np.int64)
         for i in range(n):
-            start[i] = free[dofs[i]]
+            v[i] = free[dofs[i]]
             for j in range(n):
                 own_M[i, j] = M[dofs[i], dofs[j]]
         at = 0
@@ -108,46 +137,14 @@ def _solve_parts(
             for a in range(6):
                 own_numbers[c, a] = numbers[k, a]
             own_table[c, 2] = at
-            for a in range(table[k, 1]):
-                i = table[k, 2] + a
-                own_b[at], own_x[at] = b[i], x[i]
+            for i in range(table[k, 2], table[k, 2] + table[k, 1]):
+                own_b[at], own_x[at], source[at] = b[i], x[i], i
                 for j in range(n):
                     own_J[at, j] = J[i, dofs[j]]
                 at += 1
-        least, speed = np.inf, 0.0
-        for attempt in ROW_ATTEMPTS:
-            trial = own_x.copy()
-            if not attempt[1]:
-                for c in range(few):
-                    if own_table[c, 0] != SOFT_ROWS:
-                        for i in range(own_table[c, 2], own_table[c, 2] + own_table[c, 1]):
-                            trial[i] = 0.0
-            trial_v = start.copy()
-            used, error, speed = solve_part(
-                own_M, trial_v, own_J, own_b, own_table, own_numbers, attempt[0], tol, trial
-            )
-            told[STEPS] += used
-            if error < least:
-                least = error
-                for i in range(rows):
-                    best[i] = trial[i]
-                for i in range(n):
-                    v[i] = trial_v[i]
-            if least <= tol:
-                break
-        if not least < np.inf:
-            for i in range(rows):
-                best[i] = 0.0
-            for i in range(n):
-                v[i] = start[i]
-        told[ERROR], told[SPEED] = max(told[ERROR], least), max(told[SPEED], speed)
-        told[UNSOLVED] += 0.0 if least <= tol else 1.0
-        at = 0
-        for c in range(few):
-            k = members[c]
-            for a in range(table[k, 1]):
-                x[table[k, 2] + a] = best[at]
-                at += 1
+        _try_starts(own_M, v, own_J, own_b, own_table, own_numbers, tol, own_x, told)
+        for i in range(rows):
+            x[source[i]] = own_x[i]
         for i in range(n):
             free[dofs[i]] = v[i]
 
@@ -158,7 +155,7 @@ def _push(
     blocks: int, u: FloatArray, numbers: FloatArray, part_of_tree: IntArray, tree_of: IntArray, parts: int,
     told: FloatArray, push: FloatArray,
 ) -> None:  # fmt: skip
-    """Fill the velocity (nv,) that undoes the share of the violations, beside the motion's own; 0 for none."""
+    """Fill the velocity (nv,) that undoes the share of the violations; 0 for none."""
     m, nv = u.size, push.size
     for j in range(nv):
         push[j] = 0.0
@@ -193,6 +190,38 @@ def _push(
     )
 
 
+@inline_kernel
+def _find_places(words: IntArray, fixed: IntArray, arena: IntArray) -> IntArray:
+    """Return where the arena's arrays begin now, in entries of their kinds."""
+    at = np.empty(arena.size, np.int64)
+    for a in range(arena.size):
+        size = 4 if a in (TYPE, ID) else 8
+        at[a] = (words[fixed[STRUCT] + arena[a]] - FIRST_BYTE) // size
+    return at
+
+
+@inline_kernel
+def _remember(
+    memory: tuple[IntArray, IntArray, FloatArray], keys: IntArray, table: IntArray, x: FloatArray
+) -> None:
+    """Keep the impulses for the next step, with what they are of."""
+    for k in range(table.shape[0]):
+        memory[1][k, 0], memory[1][k, 1] = table[k, 2], table[k, 1]
+        for a in range(3):
+            memory[0][k, a] = keys[k, a]
+    for i in range(x.size):
+        memory[2][i] = x[i]
+
+
+@inline_kernel
+def _take_softness(floats: FloatArray, place: int, table: IntArray, scale: FloatArray, x: FloatArray) -> None:
+    """Fill the places of soft blocks in x (m,) with their softness."""
+    for k in range(table.shape[0]):
+        if table[k, 0] == SOFT_ROWS:
+            for i in range(table[k, 2], table[k, 2] + table[k, 1]):
+                x[i] = floats[place + i] * scale[i] * scale[i]
+
+
 @kernel
 def exact_stage(
     floats: FloatArray, words: IntArray, halves: IntArray, fixed: IntArray, arena: IntArray,
@@ -224,10 +253,7 @@ def exact_stage(
     """
     nv, h = int(fixed[NV]), settings[STEP]
     qvel = window(floats, fixed[QVEL], 1, nv)[0]
-    at = np.empty(11, np.int64)
-    for a in range(11):
-        size = 4 if a == TYPE or a == ID else 8
-        at[a] = (words[fixed[STRUCT] + arena[a]] - FIRST_BYTE) // size
+    at = _find_places(words, fixed, arena)
     rows, starts, tree_of = np.empty(nv, np.int64), np.empty(nv, np.int64), np.empty(nv, np.int64)
     for i in range(nv):
         rows[i], starts[i] = halves[fixed[ROWS] + i], halves[fixed[STARTS] + i]
@@ -248,11 +274,8 @@ def exact_stage(
         floats, halves, at, layout, count, settings, soft, qvel, J, b, scale, keys, table, numbers
     )
     table, numbers = table[:blocks], numbers[:blocks]
-    find_impulses(keys, table, blocks, memory[0], memory[2], memory[1], int(told[7]), x)
-    for k in range(blocks):
-        if table[k, 0] == SOFT_ROWS:
-            for i in range(table[k, 2], table[k, 2] + table[k, 1]):
-                x[i] = floats[at[SOFTNESS] + i] * scale[i] * scale[i]
+    find_impulses(keys, table, blocks, memory[0], memory[2], memory[1], int(told[LAST]), x)
+    _take_softness(floats, at[SOFTNESS], table, scale, x)
     if not factor_tree(factors, rows, starts, columns):
         return -1
     _weights(J, table, numbers, factors, rows, starts, columns)
@@ -268,21 +291,11 @@ def exact_stage(
     if parts == 0:
         for i in range(count):
             x[i] = 0.0
-    u = np.empty(count)
-    for i in range(count):
-        total = 0.0
-        for j in range(nv):
-            total += J[i, j] * v[j]
-        u[i] = total
+    u = J @ v
     _push(floats, at, settings, M, J, table, blocks, u, numbers, trees, tree_of, parts, told, push)
     _write_back(floats, fixed, at, x, J, scale, h, rows, starts, columns, factors)
-    for k in range(blocks):
-        memory[1][k, 0], memory[1][k, 1] = table[k, 2], table[k, 1]
-        for a in range(3):
-            memory[0][k, a] = keys[k, a]
-    for i in range(count):
-        memory[2][i] = x[i]
-    told[7] = blocks
+    _remember(memory, keys, table, x)
+    told[LAST] = blocks
     return int(told[UNSOLVED])
 
 

@@ -22,6 +22,7 @@ from surefoot.worlds.mujoco.stepper.runge_kutta import finish_runge_kutta
 from surefoot.worlds.mujoco.stepper.stage import (
     BLOCKS,
     ERROR,
+    LAST,
     SPEED,
     STAGE_TYPES,
     STEPS,
@@ -30,7 +31,8 @@ from surefoot.worlds.mujoco.stepper.stage import (
 )
 
 SHARE = 0.2
-"""Share of a penetration, and of an equality's error, that is undone in a step [-]: beside the motion, so that
+"""Share of a penetration, and of an equality's error, that is undone in a step [-]: beside the motion, so
+that
 it gives no speed. A judgement: gone in 20 steps, and curvature of one step does not overshoot."""
 REACH = 1e-3
 """Distance from which contacts and limits are looked at [m, rad]: what closes a larger gap in one step is
@@ -83,9 +85,11 @@ class MujocoStepper:
 
     ``stepper.step(data)`` takes the place of ``mujoco.mj_step(model, data)``: collision, actuation, passive
     forces, sensors, callbacks and integrators (Euler, implicit, implicitfast, RK4) stay MuJoCo's, and forces,
-    accelerations and sensors in the data are those of the exact laws. Limits and contacts are unilateral, with
+    accelerations and sensors in the data are those of the exact laws. Limits and contacts are unilateral,
+    with
     sliding, spinning and rolling friction in MuJoCo's elliptic cone (friction of condim 3, 4, 6, two sliding
-    coefficients); equalities allow no velocity; dry friction of joints is a bound. A violation of positions is
+    coefficients); equalities allow no velocity; dry friction of joints is a bound. A violation of positions
+    is
     undone beside the motion, see `share`.
 
     Parameters
@@ -121,7 +125,8 @@ class MujocoStepper:
     --------
     >>> import mujoco
     >>> body = '<body pos="0 0 0.1"><freejoint/><geom type="box" size="0.1 0.1 0.1"/></body>'
-    >>> text = f'<mujoco><option cone="elliptic"/><worldbody><geom type="plane" size="9 9 1"/>{body}</worldbody></mujoco>'
+    >>> world = f'<worldbody><geom type="plane" size="9 9 1"/>{body}</worldbody>'
+    >>> text = f'<mujoco><option cone="elliptic"/>{world}</mujoco>'
     >>> model = mujoco.MjModel.from_xml_string(text)
     >>> data = mujoco.MjData(model)
     >>> stepper = MujocoStepper(model)
@@ -184,7 +189,7 @@ class MujocoStepper:
 
     def reset(self) -> None:
         """Forget the last impulses: the next step starts from none."""
-        self._told[7] = 0.0
+        self._told[LAST] = 0.0
 
     def step(self, data: Any) -> None:
         """Advance the data by a time step, in place of ``mujoco.mj_step``."""
@@ -277,7 +282,7 @@ class MujocoStepper:
             mujoco.mj_fwdConstraint(model, data)
             return
         if count > len(self._memory[2]):
-            self._memory, self._told[7] = _room(2 * count), 0.0
+            self._memory, self._told[LAST] = _room(2 * count), 0.0
         settings = self._settings
         settings[STEP], settings[START] = self._option.timestep, 0.0
         if start is not None:
@@ -350,7 +355,7 @@ class MujocoStepper:
         """Have MuJoCo solve the step softly, and count it."""
         mujoco, plain = self._mujoco, self._private.plain
         self.unsolved += 1
-        self._status, self._told[7] = Status.STALLED, 0.0
+        self._status, self._told[LAST] = Status.STALLED, 0.0
         contact = data.contact
         if data.ncon:
             contact.exclude[(contact.dist >= contact.includemargin) & (contact.exclude == 0)] = 1

@@ -1,0 +1,190 @@
+"""One connected part's rows linearised: velocities, impulses, the dynamics' residual and Newton's matrix."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.base.kernels import inline_kernel
+from surefoot.base.numerics.lu_factors import apply_lu
+from surefoot.contact.rows.blocks import (
+    DIM,
+    DRY_ROW,
+    FIRST,
+    HELD_ROW,
+    KIND,
+    LIMIT,
+    MU,
+    SLIDE,
+    SOFT_ROWS,
+    STIFF,
+    STIFF_T,
+    WEIGHT,
+    WIDEST,
+    block_error,
+    project,
+    slope,
+)
+
+
+@inline_kernel
+def fill_velocities(
+    J: FloatArray, b: FloatArray, columns: IntArray, table: IntArray, v: FloatArray, u: FloatArray
+) -> None:
+    """Fill u = J v + b, row by row over the columns that a block moves; see `find_columns`."""
+    for k in range(table.shape[0]):
+        few = columns[k, 0]
+        for i in range(table[k, FIRST], table[k, FIRST] + table[k, DIM]):
+            total = b[i]
+            for c in range(1, few + 1):
+                total += J[i, columns[k, c]] * v[columns[k, c]]
+            u[i] = total
+
+
+@inline_kernel
+def find_columns(J: FloatArray, table: IntArray, columns: IntArray) -> None:
+    """Fill the number of columns that each block's rows reach, and which they are: (n, 1 + dofs)."""
+    for k in range(table.shape[0]):
+        few = 0
+        for j in range(J.shape[1]):
+            for i in range(table[k, FIRST], table[k, FIRST] + table[k, DIM]):
+                if J[i, j] != 0.0:
+                    few += 1
+                    columns[k, few] = j
+                    break
+        columns[k, 0] = few
+
+
+@inline_kernel
+def fill_residual(
+    M: FloatArray, free: FloatArray, J: FloatArray, columns: IntArray, table: IntArray, v: FloatArray,
+    p: FloatArray, out: FloatArray,
+) -> None:  # fmt: skip
+    """Fill the dynamics' residual (n,) M (v - v_free) - Jᵀ p."""
+    n = v.size
+    for i in range(n):
+        total = 0.0
+        for j in range(n):
+            total += M[i, j] * (v[j] - free[j])
+        out[i] = total
+    for k in range(table.shape[0]):
+        for i in range(table[k, FIRST], table[k, FIRST] + table[k, DIM]):
+            if p[i] != 0.0:
+                for c in range(1, columns[k, 0] + 1):
+                    out[columns[k, c]] -= J[i, columns[k, c]] * p[i]
+
+
+@inline_kernel
+def _add_block(
+    J: FloatArray, columns: IntArray, k: int, first: int, dim: int, D: FloatArray, H: FloatArray,
+    moved: FloatArray,
+) -> None:  # fmt: skip
+    """Add J_kᵀ D J_k to H, over the columns that the block moves."""
+    few = columns[k, 0]
+    for a in range(dim):
+        for c in range(1, few + 1):
+            total = 0.0
+            for b in range(dim):
+                total += D[a, b] * J[first + b, columns[k, c]]
+            moved[a, c] = total
+    for a in range(dim):
+        for d in range(1, few + 1):
+            value = J[first + a, columns[k, d]]
+            if value != 0.0:
+                row = columns[k, d]
+                for c in range(1, few + 1):
+                    H[row, columns[k, c]] += value * moved[a, c]
+
+
+@inline_kernel
+def evaluate_blocks(
+    table: IntArray, numbers: FloatArray, share: float, x: FloatArray, u: FloatArray, p: FloatArray,
+    modes: IntArray,
+) -> bool:  # fmt: skip
+    """Fill impulses p (m,) and modes (k,) of all blocks; return whether the modes are as they were."""
+    same = True
+    for k in range(table.shape[0]):
+        mode = project(
+            table[k, KIND], table[k, DIM], numbers[k, MU], numbers[k, LIMIT], share * numbers[k, STIFF],
+            share * numbers[k, STIFF_T], x, u, table[k, FIRST], p,
+        )  # fmt: skip
+        same = same and mode == modes[k]
+        modes[k] = mode
+    return same
+
+
+@inline_kernel
+def worst_error(table: IntArray, numbers: FloatArray, x: FloatArray, u: FloatArray) -> float:
+    """Return the largest velocity error of the blocks for x, u (m,) [m/s]; infinite for what is no number."""
+    worst = total = 0.0
+    for k in range(table.shape[0]):
+        error = block_error(
+            table[k, KIND], table[k, DIM], numbers[k, MU], numbers[k, LIMIT], numbers[k, WEIGHT], x, u,
+            table[k, FIRST],
+        )  # fmt: skip
+        worst, total = max(worst, error), total + error
+    return worst if total >= 0.0 else np.inf
+
+
+@inline_kernel
+def free_speed(table: IntArray, k: int, u: FloatArray) -> float:
+    """Return how fast a block's rows of u (m,) move that it has to stop [m/s]; 0 for what does not close."""
+    at, kind = table[k, FIRST], table[k, KIND]
+    if kind in (HELD_ROW, DRY_ROW):
+        return float(abs(u[at]))
+    if not u[at] < 0.0 and kind != SOFT_ROWS:
+        return 0.0
+    square = 0.0
+    for i in range(at, at + table[k, DIM]):
+        square += u[i] * u[i]
+    return math.sqrt(square)
+
+
+@inline_kernel
+def assemble_matrix(
+    M: FloatArray, J: FloatArray, columns: IntArray, table: IntArray, numbers: FloatArray, share: float,
+    x: FloatArray, u: FloatArray, modes: IntArray, H: FloatArray, moved: FloatArray,
+) -> bool:  # fmt: skip
+    """Fill H = M - Jᵀ ∂p/∂u J (n, n); return whether it is the same for all velocities of these modes."""
+    D = np.empty((WIDEST, WIDEST))
+    n, steady = M.shape[0], True
+    for i in range(n):
+        for j in range(n):
+            H[i, j] = M[i, j]
+    for k in range(table.shape[0]):
+        slope(
+            table[k, KIND], table[k, DIM], modes[k], numbers[k, MU], share * numbers[k, STIFF],
+            share * numbers[k, STIFF_T], x, u, table[k, FIRST], D,
+        )  # fmt: skip
+        steady = steady and modes[k] != SLIDE
+        _add_block(J, columns, k, table[k, FIRST], table[k, DIM], D, H, moved)
+    return steady
+
+
+@inline_kernel
+def take_impulses(table: IntArray, source: FloatArray, x: FloatArray) -> None:
+    """Copy the impulses (m,) of all blocks but soft ones, whose place in x holds their softness."""
+    for k in range(table.shape[0]):
+        if table[k, KIND] != SOFT_ROWS:
+            for i in range(table[k, FIRST], table[k, FIRST] + table[k, DIM]):
+                x[i] = source[i]
+
+
+@inline_kernel
+def fill_motion(
+    J: FloatArray, columns: IntArray, table: IntArray, x: FloatArray, factors: FloatArray, order: IntArray,
+    free: FloatArray, work: FloatArray, v: FloatArray, soft: bool,
+) -> None:  # fmt: skip
+    """Fill v = v_free + M⁻¹ Jᵀ λ (n,), of soft blocks too if x (m,) has their impulses."""
+    for i in range(v.size):
+        work[i] = 0.0
+    for k in range(table.shape[0]):
+        if soft or table[k, KIND] != SOFT_ROWS:
+            for i in range(table[k, FIRST], table[k, FIRST] + table[k, DIM]):
+                for c in range(1, columns[k, 0] + 1):
+                    work[columns[k, c]] += J[i, columns[k, c]] * x[i]
+    apply_lu(factors, order, work)
+    for i in range(v.size):
+        v[i] = free[i] + work[i]
