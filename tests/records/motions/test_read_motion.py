@@ -158,7 +158,10 @@ def test_plain_arrays(tmp_path: Path, q: Any) -> None:
 def test_a_log(tmp_path: Path, q: Any) -> None:
     torques = np.ones((FRAMES, 29))
     log = sf.Log({"time": np.arange(FRAMES) / RATE, "q": q, "v": np.zeros((FRAMES, 35)), "torques": torques})
-    for source in (log, log.save(tmp_path / "run.npz")):
+    folder = tmp_path / "walk-g1"
+    folder.mkdir()
+    log.save(folder / "log.npz")
+    for source in (log, log.save(tmp_path / "run.npz"), folder):
         motion = sf.read_motion(source, g1())
         assert same(motion, q)
         assert motion.rate == pytest.approx(RATE)

@@ -75,7 +75,10 @@ def order_notes(
         return []
     if best.order.surprise > 0.0:
         return [f"doubt: joint order: read as {name}: {compared}"]
-    if rival is not None and rival.cost < best.cost + 0.5 * CLOSE:
+    alike = [one for one in rivals if set(one.order.joints) == set(best.order.joints)]
+    near = min(alike, key=lambda one: one.cost - one.order.surprise, default=None)
+    if near is not None and near.cost - near.order.surprise < best.cost + 0.5 * CLOSE:
+        compared = f"{best.plausibility}; {near.order.name}: {near.plausibility}"
         return [f"doubt: joint order: taken as {name}, another one is as plausible: {compared}"]
     return [f"joint order: guessed as {name} by ranges and feet: {compared}"]
 

@@ -51,9 +51,13 @@ class ConventionSearch:
         The robot, and what the file says; units are put right in it, and told.
     order, quaternion
         What a user gives, None for nothing.
+    rate
+        [Hz] as the file or the user says, None where neither does.
     """
 
-    def __init__(self, robot: Robot, fields: MotionFields, order: object, quaternion: str | None) -> None:
+    def __init__(
+        self, robot: Robot, fields: MotionFields, order: object, quaternion: str | None, rate: float | None
+    ) -> None:
         if quaternion is not None:
             check_name("quaternion order", quaternion, QUATERNIONS)
         self.robot, self.fields = robot, fields
@@ -62,7 +66,7 @@ class ConventionSearch:
         self.columns: tuple[int, ...] = tuple(range(fields.joints.shape[1]))
         self.fixed_order = self._fixed_order(order)
         self.notes += put_units_right(robot, fields)
-        self.readings = Readings(robot, fields, self.columns)
+        self.readings = Readings(robot, fields, self.columns, rate)
         self.orders = self._orders()
 
     def _fixed_order(self, order: object) -> JointOrder | None:

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 SAMPLES = 120
 """Pairs of frames that a motion is judged by, evenly over it."""
-APART = 2
-"""Frames from one of a pair to the other: a fifteenth of a second at 30 Hz."""
+APART = 1.0 / 15.0
+"""Time from one frame of a pair to the other [s]; two frames where the rate is not known."""
 STILL = 2e-3
 """Motion between the frames of a pair that tells nothing [m]."""
 WEIGHT_SLIDE, WEIGHT_CENTRE, WEIGHT_LEAN = 5.0, 3.0, 0.5
@@ -99,9 +99,10 @@ def ranges_of(robot: Robot) -> Ranges:
     return Ranges(0.5 * (low + high), np.maximum(0.5 * (high - low), 0.05))
 
 
-def sample_pairs(count: int) -> tuple[IntArray, IntArray]:
+def sample_pairs(count: int, rate: float | None) -> tuple[IntArray, IntArray]:
     """Return first and second frames (k,) of the pairs that a motion of `count` frames is judged by."""
-    apart = min(APART, count - 1)
+    frames = 2 if rate is None else max(2, round(APART * rate))
+    apart = min(frames, max(count // 3, 1))
     first = np.unique(np.linspace(0, count - 1 - apart, min(SAMPLES, count - apart)).astype(np.int64))
     return first, first + apart
 

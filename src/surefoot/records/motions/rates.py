@@ -39,6 +39,8 @@ lengths were scaled and times were not, falls tell a wrong rate.
 """
 FEWEST = 3
 """Airborne phases from which a rate is guessed, or doubted."""
+SAME = 0.02
+"""Deviation of two rates, a share, up to which they are the same: 29.9 Hz are called 30."""
 CONTRADICTION = 0.3
 """Deviation of the fall from gravity, a share, from which the rate is doubtful."""
 
@@ -116,6 +118,13 @@ def rate_by_speeds(fields: MotionFields) -> float | None:
     return rate if rate > 0.0 and left < 0.25 * float((speeds**2).sum()) else None
 
 
+def stated_rate(fields: MotionFields) -> float | None:
+    """Return the rate that the times of a file say, or else the file itself [Hz]; None where neither does."""
+    if fields.times is None:
+        return fields.rate
+    return (len(fields.times) - 1) / float(fields.times[-1] - fields.times[0])
+
+
 def find_rate(
     robot: Robot, fields: MotionFields, q: FloatArray, given: float | None
 ) -> tuple[float, list[str]]:
@@ -134,18 +143,13 @@ def find_rate(
         Where nothing says it, with what to give.
     """
     notes = list[str]()
-    said = fields.rate
-    if fields.times is not None:
-        by_times = (len(fields.times) - 1) / float(fields.times[-1] - fields.times[0])
-        if said is not None and abs(said / by_times - 1.0) > 0.02:
-            notes.append(
-                f"doubt: rate: the file says {said:.6g} Hz, its times {by_times:.6g}; the times are used"
-            )
-        said = by_times
+    written, said = fields.rate, stated_rate(fields)
+    if written is not None and said is not None and abs(written / said - 1.0) > SAME:
+        notes.append(f"doubt: rate: the file says {written:.6g} Hz, its times {said:.6g}; the times are used")
     speeds = rate_by_speeds(fields)
     if given is not None:
         rate = positive_number("fps", given, "Hz")
-        if said is not None and abs(said / rate - 1.0) > 0.02:
+        if said is not None and abs(said / rate - 1.0) > SAME:
             notes.append(f"doubt: rate: fps={rate:.6g} was given, the file says {said:.6g} Hz")
     elif said is not None:
         rate = said

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.base.arrays import FloatArray, of_kind
+from surefoot.base.arrays import FloatArray, of_kind, positive_number
 from surefoot.base.errors import ProblemError, located, unknown_name
 from surefoot.base.text_files import path_of
 from surefoot.mechanics import Robot, load_robot
@@ -20,11 +20,13 @@ from surefoot.records.motions.conventions import Conventions, ConventionSearch
 from surefoot.records.motions.field_reading import fields_of, motions_in
 from surefoot.records.motions.fields import MotionFields
 from surefoot.records.motions.motion import Motion
-from surefoot.records.motions.rates import find_rate
+from surefoot.records.motions.rates import find_rate, stated_rate
 from surefoot.records.motions.resampling import blend_configurations, blend_rows
 
 UNEVEN = 0.02
 """Deviation of a frame's time from an even rate, in frames' times, from which a motion is resampled."""
+RUN_LOG = "log.npz"
+"""Log in the folder that a run of the command line leaves."""
 SHOWN = 12
 """Names of motions that a message lists."""
 
@@ -132,6 +134,9 @@ def _contents(source: Source) -> Iterator[tuple[str, Any]]:
         if path.is_dir() and (path / "facts.json").exists():
             yield path.stem, read_log(path)
             return
+        if (path / RUN_LOG).is_file():
+            yield path.name, read_log(path / RUN_LOG)
+            return
         contents = read_arrays(path)
         if isinstance(contents, Mapping) and {"schema", "channels"} <= set(contents):
             yield path.stem, read_log(path)
@@ -156,7 +161,8 @@ def _motion(source: Source, name: str, contents: Any, robot: Robot, options: tup
             fields = _log_fields(name, contents, robot)
         else:
             fields = fields_of(name, contents, robot.floating)
-        found = ConventionSearch(robot, fields, order, quaternion).find()
+        stated = stated_rate(fields) if fps is None else positive_number("fps", fps, "Hz")
+        found = ConventionSearch(robot, fields, order, quaternion, stated).find()
         fields.joints = fields.joints[:, list(found.columns)]
         if fields.speeds is not None:
             fields.speeds = fields.speeds[:, list(found.columns)]

@@ -66,12 +66,16 @@ class Readings:
         The robot, and what the file has, in radians, metres and with unit quaternions.
     columns
         Columns of the file's joints that are the robot's.
+    rate
+        [Hz], None where it is not known yet.
     """
 
-    def __init__(self, robot: Robot, fields: MotionFields, columns: tuple[int, ...]) -> None:
+    def __init__(
+        self, robot: Robot, fields: MotionFields, columns: tuple[int, ...], rate: float | None
+    ) -> None:
         self.robot, self.fields, self.columns = robot, fields, columns
         self.ranges: Ranges = ranges_of(robot)
-        self.pairs = sample_pairs(len(fields.joints))
+        self.pairs = sample_pairs(len(fields.joints), rate)
 
     def configurations(self, quaternion: str, order: JointOrder) -> FloatArray:
         """Return the (T, nq) configurations under some conventions, absent joints at the nominal angle."""
