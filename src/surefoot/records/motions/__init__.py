@@ -1,1 +1,1 @@
-"""Motion references: configurations over time that people retarget and would have a robot track."""
+"""Motion references: what people retarget and robots execute, read as configurations over time."""
