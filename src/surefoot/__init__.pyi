@@ -87,6 +87,9 @@ from .records.identification.tosses import read_tosses as read_tosses
 from .records.log import Log as Log
 from .records.log.from_arrays import log_from_arrays as log_from_arrays
 from .records.log.reading import read_log as read_log
+from .records.motions.motion import Motion as Motion
+from .records.motions.read_motion import read_motion as read_motion
+from .records.motions.read_motion import read_motions as read_motions
 from .worlds.mujoco.contacts_from_mujoco import contacts_from_mujoco as contacts_from_mujoco
 from .worlds.mujoco.mujoco_world import MujocoWorld as MujocoWorld
 from .worlds.mujoco.recording import record as record

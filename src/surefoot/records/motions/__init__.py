@@ -1,1 +1,1 @@
-"""Motion references: reading what people retarget, and whether the ground could give the forces that they need."""
+"""Motion references: what people retarget and robots execute, read as configurations over time."""
