@@ -153,6 +153,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     )
     write_table(CleanRun(duration=0.3), place)  # run.csv, run.yaml
     write_hopper(place)
+    for name in ("motion.csv", "slow.csv"):  # a robot that stands still
+        np.savetxt(place / name, np.tile(sf.load_robot("g1").nominal, (40, 1)), delimiter=",")
     (place / "raw.csv").write_text("".join(f"{0.01 * k},36.8,36.8\n" for k in range(50)))
     steps = (ROOT / "docs" / "first-steps.md").read_text(encoding="utf-8")
     (place / "mine.yaml").write_text(steps.split("```yaml\n")[1].split("```")[0])

@@ -272,3 +272,20 @@ def test_wrong_input_is_named(g1: sf.Robot) -> None:
             sf.certify_motion(g1, **given)  # type: ignore[arg-type]
     with pytest.raises(ProblemError, match="window"):
         sf.certify_motion(g1, motion).certificate(0)
+
+
+@pytest.mark.parametrize("kind", ["line", "point", "dot", "none"])
+def test_proofs_hold_on_degenerate_soles(g1: sf.Robot, kind: str) -> None:
+    robot, feet = copy.copy(g1), []
+    robot.__dict__.pop("contact_points", None)
+    for foot in g1.feet:
+        centres = foot.centres[:1] if kind == "point" else foot.centres.copy()
+        if kind == "line":
+            centres[:, 1] *= 1e-9
+        if kind == "dot":
+            centres = centres.mean(axis=0) + 1e-9 * (centres - centres.mean(axis=0))
+        feet.append(replace(foot, centres=centres))
+    robot.feet = () if kind == "none" else tuple(feet)
+    motion = random_motion(g1, np.random.default_rng(2))
+    for mu in (0.0, 50.0):
+        check_report(sf.certify_motion(robot, motion, mu=mu, sliding_mu=(0.0, 0.0)))
