@@ -13,16 +13,18 @@ Solve
     trajectory_gradient, read_problem, write_problem.
 Check
     can_stand, can_stand_batch, friction_needed, com_region, com_region_batch, audit_log, assert_lawful,
-    seeded_faults, contact_times, summarise_walk, check_proof, residuals, redundancy, replay_log, certify_motion.
+    seeded_faults, contact_times, summarise_walk, check_proof, residuals, redundancy, replay_log,
+    certify_motion.
 Walk
     Robot, load_robot, robot_names, place, run, Scenario, Push, Ice, SensorModel, RigidWorld, MujocoWorld,
     Body, Scene, SceneWorld, Controller, Command, RobotState, StandingController, StandingPlan,
     WalkingController, WalkSettings, VelocityCommand, WholeBodyController, Tasks, ConvexMpc, MpcWeights,
-    Gait, named_gait, RobotLoop, RobotReadings, Policy, Guard.
+    Gait, named_gait, RobotLoop, RobotReadings, Policy, Guard, MujocoStepper, exact_contact.
 Look
     picture, Log, read_log, record, log_from_arrays, contacts_from_mujoco, estimate_forces, ForceModel,
     FrictionTracker, InvariantEkf, identify, read_tosses, read_sweep, run_sweep, read_sequence,
-    write_sequence, export_sequence, sequence_from_log, SurefootError, ProblemError.
+    write_sequence, export_sequence, sequence_from_log, SurefootError, ProblemError, Motion, read_motion,
+    read_motions.
 """
 
 from __future__ import annotations
