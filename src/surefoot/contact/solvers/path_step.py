@@ -28,8 +28,8 @@ BACK, ON = 0.5, 0.7
 OFF_PATH, OFF_PATH_FAR = 0.05, 0.01
 """Least centrality after a step near the path, and after one that only goes back to it."""
 TURNING = 5.0
-"""Times the length of a tangent, over that of a path whose contacts keep their modes, above which the path may
-turn: then it goes on as it went, else the gap falls."""
+"""Times the length of a tangent, over that of a path whose contacts keep their modes, above which the path
+may turn: then it goes on as it went, else the gap falls."""
 SHORTER, SHORTEST = 0.7, 1e-6
 """By how much a step is shortened that leaves the centre, and where that ends."""
 
@@ -43,7 +43,9 @@ class Motion(NamedTuple):
 
 
 @inline_kernel
-def _inner(axes: FloatArray, gap: float, dx: FloatArray, dy: FloatArray, px: FloatArray, py: FloatArray) -> float:
+def _inner(
+    axes: FloatArray, gap: float, dx: FloatArray, dy: FloatArray, px: FloatArray, py: FloatArray
+) -> float:
     """Return the inner product of two steps of x and y (n, 3), without that of their log gaps."""
     total = 0.0
     for k in range(len(dx)):
