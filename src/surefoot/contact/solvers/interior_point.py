@@ -5,11 +5,13 @@ L ∋ x ⟂ y ∈ L, y = Y Yᵀ x + g + ||ȳ|| e_3, G = Y Yᵀ. A step of Nester
 corrector, is one solve with I + Yᵀ P S⁻¹ Y (see `cone_pairs`): as large as the rank of G, the velocities of
 the bodies, however many contacts hold them.
 
-First the shift's derivative is in S: quadratic, from far away. It loses itself near an answer whose
-velocities may change without a force (a gap of 1e-12, an error of 1e-6). Then the shift is held at what was
-found, which leaves a convex program that has no such end: from a point of the first phase a few steps before
-its last, each takes about ten iterations. The fixed point of shifts (Acary and Cadoux) shrinks by a third to
-two thirds each, which Anderson's mixing shortens to a few.
+The shift's derivative is in S: quadratic, from far away. Coulomb's law is not monotone, so that its central
+path may turn, or nearly: where steps become short the path is followed by its length (`path_step`). It loses
+itself near an answer, where forces that velocities do not determine drift with rounding (an error of 3e-6);
+from 1e-5 on ADMM with one penalty polishes what was found. Where the shift is held at what was found, a
+convex program is left that has no turns: coarse answers are reached sooner so, and fine ones where the path
+is lost. The fixed point of shifts (Acary and Cadoux) shrinks by a third to two thirds each, which Anderson's
+mixing shortens to a few, but not at all where contacts slide without any other force.
 
 Source: V. Acary, M. Brémond, O. Huber, "On solving contact problems with Coulomb friction: formulations and
 numerical comparisons", 2018; V. Acary, F. Cadoux, C. Lemaréchal, J. Malick, ZAMM

@@ -63,9 +63,10 @@ def path_step(
     factors: FloatArray, pivots: IntArray, rows: FloatArray, across: FloatArray, point: Iterate,
     residual: FloatArray, scaling: Scaling, gap: float, motion: Motion, after: Iterate,
 ) -> tuple[float, float]:  # fmt: skip
-    """Fill the point after a step; return its length (zero where there is none) and the change of log gap.
+    """Fill the point after a step; return its length (zero where there is none) and the log gap's change.
 
-    The arguments are those of `central_step`, with the shift's derivative in S; the last motion is replaced.
+    The change is of first order. The arguments are those of `central_step`, with the shift's derivative in S;
+    the last motion is replaced.
     """
     x, border_x, y, border_y = point
     axes, scaled, weights = scaling

@@ -27,7 +27,7 @@ class StepMemory:
         return pairs.scale_pairs(*point, share, *self.scaling)
 
     def factors(self) -> tuple[FloatArray, IntArray] | None:
-        """Return LAPACK's factors of I + Yᵀ P S⁻¹ Y, transposed, with their pivots."""
+        """Return LAPACK's factors (r, r) of I + Yᵀ P S⁻¹ Y, transposed, with their pivots (r,)."""
         pairs.weigh_rows(self.scaling.weights, self.rows, self.weighed)
         matrix = self.weighed.T @ self.rows  # transposed, as LAPACK has it
         matrix[self.diagonal] += 1.0
