@@ -52,8 +52,8 @@ RELAXATION = 1.6
 BALANCE = 3.0
 """The penalty changes when one residual exceeds the other by this factor."""
 POLISH, POLISH_EVERY, POLISH_IDLE = 1e-2, 50, 12
-"""The penalty near an answer, over the largest eigenvalue of G; iterations between two looks at the error, and
-how many in turn may not halve it."""
+"""The penalty near an answer, over the largest eigenvalue of G; iterations between two looks at the error,
+and how many in turn may not halve it."""
 FINISH_FROM, FINISH_GROWTH = 2, 1.5
 """Looks after which something else may try to finish, and by how much later each time."""
 

@@ -1,12 +1,13 @@
 """The default solver: a table of plans (`plans`), and a runner that keeps to its time.
 
 Exact cones, up to 128 contacts: one compiled call that alternates bursts of Gauss-Seidel sweeps with Newton
-steps (`compiled`); of more than 25 it takes one round first, and further ones after the interior point where
-the contacts hold few bodies. Larger problems: sweeps on 3x3 blocks, then Newton steps by sparse factorisation
-with sweeps between them (`on_blocks`); where contacts are redundant, an interior point after the first of
-these steps (`interior_point`). What these leave unsolved falls into its connected parts, each solved by
-itself: one that has no solution must not keep the others from theirs. A single part goes through the stages
-of its plan, among them the search for a proof that there is no solution, made nowhere else for `auto`.
+steps (`compiled`); of more than 25 it takes one round first (of few bodies a taste of it), and further ones
+after the interior point where the contacts hold few bodies. Larger problems: sweeps on 3x3 blocks, then
+Newton steps by sparse factorisation with sweeps between them (`on_blocks`); where contacts are redundant,
+an interior point after the first of these steps, of few bodies before them (`interior_point`). What these
+leave unsolved falls into its connected parts, each solved by itself: one that has no solution must not keep
+the others from theirs. A single part goes through the stages of its plan, among them the search for a proof
+that there is no solution, made nowhere else for `auto`.
 The forces returned are the best that any stage found; the status is theirs.
 `max_time` is checked between methods and iterations; the one compiled call of a small problem looks at no
 clock and is given as many iterations as should fit. Without `max_time` no clock decides anything.

@@ -101,7 +101,7 @@ def fill_direction(
 def longest_inside(
     x: FloatArray, border_x: FloatArray, y: FloatArray, border_y: FloatArray, dx: FloatArray, dy: FloatArray
 ) -> float:
-    """Return the longest step inside both cones."""
+    """Return the longest multiple of the steps dx, dy (n, 3) from x, y (n, 3) inside both cones."""
     return min(longest_step(x, border_x, dx), longest_step(y, border_y, dy))
 
 

@@ -90,7 +90,7 @@ def weigh_rows(weights: FloatArray, rows: FloatArray, out: FloatArray) -> None:
 
 @inline_kernel
 def apply_scaling(axes: FloatArray, sign: float, v: FloatArray) -> tuple[float, float, float]:
-    """Return W v (sign 1), or W⁻¹ v (sign -1)."""
+    """Return W v (sign 1), or W⁻¹ v (sign -1), of axes (4,) and a vector (3,)."""
     a, b, w, eta = sign * axes[0], sign * axes[1], axes[2], axes[3]
     if sign < 0.0:
         eta = 1.0 / eta

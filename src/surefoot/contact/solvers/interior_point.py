@@ -5,11 +5,13 @@ L ∋ x ⟂ y ∈ L, y = Y Yᵀ x + g + ||ȳ|| e_3, G = Y Yᵀ. A step of Nester
 corrector, is one solve with I + Yᵀ P S⁻¹ Y (see `cone_pairs`): as large as the rank of G, the velocities of
 the bodies, however many contacts hold them.
 
-First the shift's derivative is in S: quadratic, from far away. It loses itself near an answer whose
-velocities may change without a force (a gap of 1e-12, an error of 1e-6). Then the shift is held at what was
-found, which leaves a convex program that has no such end: from a point of the first phase a few steps before
-its last, each takes about ten iterations. The fixed point of shifts (Acary and Cadoux) shrinks by a third to
-two thirds each, which Anderson's mixing shortens to a few.
+The shift's derivative is in S: quadratic, from far away. Coulomb's law is not monotone, so that its central
+path may turn, or nearly: where steps become short the path is followed by its length (`path_step`). It loses
+itself near an answer, where forces that velocities do not determine drift with rounding (an error of 3e-6);
+from 1e-5 on ADMM with one penalty polishes what was found. Where the shift is held at what was found, a
+convex program is left that has no turns: coarse answers are reached sooner so, and fine ones where the path
+is lost. The fixed point of shifts (Acary and Cadoux) shrinks by a third to two thirds each, which Anderson's
+mixing shortens to a few, but not at all where contacts slide without any other force.
 
 Source: V. Acary, M. Brémond, O. Huber, "On solving contact problems with Coulomb friction: formulations and
 numerical comparisons", 2018; V. Acary, F. Cadoux, C. Lemaréchal, J. Malick, ZAMM
@@ -26,40 +28,36 @@ import math
 import numpy as np
 import scipy.linalg
 
-from surefoot.base.arrays import BoolArray, FloatArray, IntArray
+from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.kernels import working_time
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.problem.redundancy import few_bodies, likely_rank
 from surefoot.contact.solution import Status
-from surefoot.contact.solvers import cone_pairs as pairs
 from surefoot.contact.solvers.admm import polish
-from surefoot.contact.solvers.central_step import Iterate, Scaling, central_step, fill_residual
+from surefoot.contact.solvers.central_step import Iterate, fill_residual
 from surefoot.contact.solvers.compiled import COMPILED_CONTACTS
 from surefoot.contact.solvers.newton_step import FEW
-from surefoot.contact.solvers.path_step import Motion, path_step
 from surefoot.contact.solvers.solver import Answer, SolverSettings, nearest_to_zero, register
+from surefoot.contact.solvers.step_memory import StepMemory
 from surefoot.contact.solvers.stopping import fill_measure, velocity_error
 
 MOST, MOST_HELD, MOST_SHIFTS = 60, 40, 12
-"""Iterations with the shift linearised besides those along turns, with one held shift, and shifts that are held
-one after the other."""
+"""Iterations with the shift linearised besides those along turns, with one held shift, and shifts that are
+held one after the other."""
 MOST_ALL = 10_000
 """All iterations together, those of a polish, which are light, among them."""
 STARTS = (1.0, 3.0, 10.0, 0.3)
 """First normal forces, over what stops each contact's speed: where one leads nowhere, the next is tried."""
 LEAST, AHEAD = 0.3, 10.0
 """Least centring while the residual is so many times the gap, over their scales: else the gap ends first."""
-POLISH_FROM, NEAR, COARSE, MOST_POLISH = 1e-5, 1e-4, 3e-5, 2000
+POLISH_FROM, NEAR, COARSE, MOST_POLISH = 1e-5, 1e-3, 3e-5, 2000
 """Velocity error at which the path is left to polish what it found, that below which other forces are
 polished, the tolerance from which on no turn of the path is followed, and iterations of a polish."""
 SHORT, IDLE = 0.1, 3
 """A step is short below this share of a whole one; so many short ones end a phase."""
 TURN, TURN_FROM, MOST_TURNING, PASSED = 0.3, 1e-2, 40, -0.15
-"""Share of a whole step below which the path may turn, share of the first gap from which on it is followed by its
-length then, steps that this may take, and the change of the log gap after which the turn is passed."""
-EARLY, MOST_SLOW = 1e-1, 400
-"""Share of the first gap from which on a path is followed closely that was lost the first time, and the steps
-that this may take."""
+"""Share of a whole step below which the path may turn, share of the first gap from which on it is followed by
+its length then, steps that this may take, and the change of the log gap after which the turn is passed."""
 BEFORE = 1e-5
 """Share of the first gap from which a program with a held shift begins."""
 KNOWN, HELD = 1e-2, 0.3
@@ -175,7 +173,7 @@ class _Run:
         self.scale[:, :2] = np.minimum(self.mu, 1.0)[:, None]
         self.scale[:, 2] = 1.0 / np.maximum(self.mu, 1.0)
         self.factor = factor
-        self.memory = _Memory(np.ascontiguousarray(self.scale.reshape(-1, 1) * self.factor))
+        self.memory = StepMemory(np.ascontiguousarray(self.scale.reshape(-1, 1) * self.factor))
         scales = np.ascontiguousarray(problem.scales[:, active])
         weight = np.where(scales[0] > 0.0, scales[0], scales[1])
         self.speed, self.force = scales[1], scales[1] / weight
@@ -200,25 +198,16 @@ class _Run:
     def _from(self, first: Iterate) -> bool:
         """Follow the path from a point, and polish what is near an answer; tell whether it is solved."""
         coarse = self.tol >= COARSE
-        if self._follow(first, 0 if coarse else MOST_TURNING):
-            return True
+        if self._follow(first, 0 if coarse else MOST_TURNING) or not self.path:
+            return self.error <= self.tol
         # a coarse answer is reached sooner where the shift is held than beyond the path's turns
         if coarse and (self._hold(first) or self._follow(self.path[-1][1], MOST_TURNING)):
             return True
         if self._polish():
             return True
-        if self.error > POLISH_FROM and (
-            self._follow(self._early(), MOST_SLOW, turning=True) or self._polish()
-        ):
-            return True
         if self.error <= POLISH_FROM and (self._follow(self.path[-1][1], 0, 0.0) or self._polish()):
             return True
-        return not coarse and self._hold(first)
-
-    def _early(self) -> Iterate:
-        """Return a point of the path before its turns, to follow it closely from there on."""
-        self.memory.forget()
-        return next((point for gap, point in self.path if gap < EARLY * self.energy), self.path[-1][1])
+        return not coarse and (self._hold(first) or self._polish())
 
     def _over(self) -> bool:
         """Tell whether iterations or time are spent."""
@@ -300,13 +289,12 @@ class _Run:
         u = self._velocities(forces)
         return gap, forces, u, self._error(forces, u) if gap > 0.0 else math.inf
 
-    def _follow(self, point: Iterate, turns: int, enough: float = POLISH_FROM, turning: bool = False) -> bool:
+    def _follow(self, point: Iterate, turns: int, enough: float = POLISH_FROM) -> bool:
         """Follow the central path with the shift linearised; tell whether the problem is solved.
 
-        So many steps may go along turns, whether or not it is turning from the outset. A velocity error may be
-        enough.
+        So many steps may go along turns. A velocity error may be enough.
         """
-        short = 0
+        short, turning = 0, False
         for _ in range(min(MOST + turns, self.most - self.done)):
             gap, self.last, u, error = self._look(point, 1.0)
             if not gap > 0.0 or error <= self.tol:  # below the smallest number
@@ -334,7 +322,7 @@ class _Run:
         return False
 
     def _follow_held(self, point: Iterate, shift: FloatArray) -> bool:
-        """Follow the central path of a program whose shift (n,) is held; tell whether the problem is solved."""
+        """Follow the central path of a program whose shift (n,) is held; tell whether all is solved."""
         short, least_held, worse = 0, math.inf, 0
         for _ in range(min(MOST_HELD, self.most - self.done)):
             gap, forces, u, error = self._look(point, 0.0)
@@ -360,57 +348,6 @@ class _Run:
                 break
             point = after
         return False
-
-
-class _Memory:
-    """What an iteration works in: scalings and the matrix, for the scaled rows of Y (3n, r)."""
-
-    def __init__(self, rows: FloatArray) -> None:
-        n, r = len(rows) // 3, rows.shape[1]
-        self.rows, self.across = rows, np.ascontiguousarray(rows.T)
-        self.scaling = Scaling(np.empty((n, 4)), np.empty((n, 3)), np.empty((n, 3, 3)))
-        self.weighed, self.residual = np.empty((3 * n, r)), np.empty((n, 3))
-        self.diagonal = np.diag_indices(r)
-        self.motion = Motion(np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(1))
-
-    def scale(self, point: Iterate, share: float) -> float:
-        """Fill the scalings of a point; return its gap, the mean of x · y."""
-        return pairs.scale_pairs(*point, share, *self.scaling)
-
-    def factors(self) -> tuple[FloatArray, IntArray] | None:
-        """Return LAPACK's factors of I + Yᵀ P S⁻¹ Y, transposed, with their pivots."""
-        pairs.weigh_rows(self.scaling.weights, self.rows, self.weighed)
-        matrix = self.weighed.T @ self.rows  # transposed, as LAPACK has it
-        matrix[self.diagonal] += 1.0
-        lu, pivots, failed = scipy.linalg.lapack.dgetrf(matrix.T, overwrite_a=1)
-        return None if failed else (lu.T, pivots)
-
-    def advance(self, point: Iterate, gap: float, share: float, least: float) -> tuple[float, Iterate | None]:
-        """Take a step with the residual that is there; return its length and the point after it, if any."""
-        factors = self.factors()
-        if factors is None:
-            return 0.0, None
-        after = Iterate(*(np.empty_like(part) for part in point))
-        length = central_step(
-            *factors, self.rows, self.across, point, self.residual, self.scaling, gap, share, least, after
-        )
-        return length, after if length > 0.0 else None
-
-    def go_along(self, point: Iterate, gap: float) -> tuple[float, Iterate | None]:
-        """Take a step by the path's length; return the change of the log gap, and the point after it."""
-        factors = self.factors()
-        if factors is None:
-            return 0.0, None
-        after = Iterate(*(np.empty_like(part) for part in point))
-        length, log = path_step(
-            *factors, self.rows, self.across, point, self.residual, self.scaling, gap, self.motion, after
-        )
-        return log, after if length > 0.0 else None
-
-    def forget(self) -> None:
-        """Forget the last step along the path."""
-        for part in self.motion:
-            part[:] = 0.0
 
 
 def _next_shift(held: list[FloatArray], found: list[FloatArray], speed: FloatArray) -> FloatArray:

@@ -93,8 +93,8 @@ def alternate(
             break
     if heavy(problem):
         return done, error, far
-    for early in (True, False) if between is not None else ():
-        if error > tol and done < most and working_time() < newton.end:
+    for early in (True, False):
+        if between is not None and error > tol and done < most and working_time() < newton.end:
             used = between(forces, most - done, early)
             if used == 0 and early:
                 used = newton.run(forces, min(EARLY, most - done), *FIRST_TRY)[0]

@@ -28,8 +28,8 @@ BACK, ON = 0.5, 0.7
 OFF_PATH, OFF_PATH_FAR = 0.05, 0.01
 """Least centrality after a step near the path, and after one that only goes back to it."""
 TURNING = 5.0
-"""Times the length of a tangent, over that of a path whose contacts keep their modes, above which the path may
-turn: then it goes on as it went, else the gap falls."""
+"""Times the length of a tangent, over that of a path whose contacts keep their modes, above which the path
+may turn: then it goes on as it went, else the gap falls."""
 SHORTER, SHORTEST = 0.7, 1e-6
 """By how much a step is shortened that leaves the centre, and where that ends."""
 
@@ -63,9 +63,10 @@ def path_step(
     factors: FloatArray, pivots: IntArray, rows: FloatArray, across: FloatArray, point: Iterate,
     residual: FloatArray, scaling: Scaling, gap: float, motion: Motion, after: Iterate,
 ) -> tuple[float, float]:  # fmt: skip
-    """Fill the point after a step; return its length (zero where there is none) and the change of log gap.
+    """Fill the point after a step; return its length (zero where there is none) and the log gap's change.
 
-    The arguments are those of `central_step`, with the shift's derivative in S; the last motion is replaced.
+    The change is of first order. The arguments are those of `central_step`, with the shift's derivative in S;
+    the last motion is replaced.
     """
     x, border_x, y, border_y = point
     axes, scaled, weights = scaling

@@ -1,0 +1,89 @@
+"""Steps by the path's length come back to the central path, go on along it, and get past its turns."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+from surefoot.contact.problem.problem import ContactProblem
+from surefoot.contact.solvers import interior_point
+from surefoot.contact.solvers.central_step import Iterate, Scaling, fill_residual
+from surefoot.contact.solvers.cone_pairs import centrality, scale_pairs, weigh_rows
+from surefoot.contact.solvers.path_step import Motion, path_step
+
+NOTHING = np.empty(0)
+N, R = 10, 6
+
+
+class Path:
+    """A random problem y = Y Yᵀ x + g + ||ȳ|| e_3 in scaled variables, and a point inside the cones."""
+
+    def __init__(self, seed: int) -> None:
+        rng = np.random.default_rng(seed)
+        self.rows = rng.normal(size=(3 * N, R))
+        self.g = (self.rows @ rng.normal(size=R)).reshape(N, 3)
+        x = np.tile([0.0, 0.0, 1.0], (N, 1))
+        self.point = Iterate(x, np.ones(N), x.copy(), np.ones(N))
+        self.motion = Motion(np.zeros((N, 3)), np.zeros((N, 3)), np.zeros(1))
+        self.residual = np.empty((N, 3))
+
+    def step(self) -> tuple[float, float, float]:
+        """Take a step; return the gap before it, the largest residual, and the change of the log gap."""
+        scaling = Scaling(np.empty((N, 4)), np.empty((N, 3)), np.empty((N, 3, 3)))
+        gap = float(scale_pairs(*self.point, 1.0, *scaling))
+        u = (self.rows @ (self.rows.T @ self.point.x.ravel())).reshape(N, 3) + self.g
+        far = float(fill_residual(self.point.y, np.ones((N, 3)), u, NOTHING, np.ones(N), self.residual))
+        weighed = np.empty_like(self.rows)
+        weigh_rows(scaling.weights, self.rows, weighed)
+        lu, pivots, _ = scipy.linalg.lapack.dgetrf(np.eye(R) + self.rows.T @ weighed)
+        after = Iterate(np.empty((N, 3)), np.empty(N), np.empty((N, 3)), np.empty(N))
+        length, log = path_step(
+            np.ascontiguousarray(lu.T), pivots, self.rows, np.ascontiguousarray(self.rows.T), self.point,
+            self.residual, scaling, gap, self.motion, after,
+        )  # fmt: skip
+        assert 0.0 < length <= 1.0
+        self.point = after
+        return gap, far, log
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_steps_come_back_to_the_path_and_go_down_along_it(seed: int) -> None:
+    path = Path(seed)
+    gap, far, _ = path.step()
+    for _ in range(60):
+        if gap < 1e-5:
+            break
+        gap, far, _ = path.step()
+    assert gap < 1e-5
+    assert far < 0.1 * np.sqrt(gap)
+    assert centrality(*path.point) >= 0.05
+
+
+def test_a_step_changes_the_gap_by_what_it_says() -> None:
+    path = Path(1)
+    for _ in range(12):
+        path.step()
+    (before, _, log), (after, _, _) = path.step(), path.step()
+    assert after / before == pytest.approx(1.0 + log, abs=0.25)  # the log's first order
+    assert log < 0.0
+
+
+def test_a_turn_of_a_wall_of_23_bricks_is_passed() -> None:
+    """Steps that aim at a smaller gap end at an error of 6e-3 there."""
+    pytest.importorskip("mujoco")
+    from benchmarks.problems.stacked_scenes import SCENES, steps
+
+    given = next(steps(SCENES["wall of 23"], 1)).problem
+    problem = ContactProblem(given.G, given.g, given.mu)
+    active = np.ones(problem.contacts, dtype=bool)
+    factor = interior_point._factor(problem, np.repeat(active, 3))
+    errors = []
+    for turns in (0, 60):
+        run = interior_point._Run(
+            problem, active, np.zeros((problem.contacts, 3)), 1e-8, 1000, np.inf, factor
+        )
+        run._follow(run._start(1.0), turns)
+        errors.append(run.error)
+    assert errors[0] > 1e-3
+    assert errors[1] <= 1e-5
