@@ -88,7 +88,7 @@ def _cookie_name(host: str) -> str:
 
 
 @contextmanager
-def guarded(door: Door) -> Iterator[None]:
+def guard_server(door: Door) -> Iterator[None]:
     """Let the server that viser starts inside ask a door before it answers: viser has no hook for that."""
     from websockets.asyncio import server
     from websockets.datastructures import Headers
@@ -110,8 +110,8 @@ def guarded(door: Door) -> Iterator[None]:
 
         return original(*args, process_request=ask, **more)
 
-    server.serve = serve  # type: ignore[assignment,misc]
+    server.serve = serve
     try:
         yield
     finally:
-        server.serve = original  # type: ignore[misc]
+        server.serve = original

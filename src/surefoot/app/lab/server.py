@@ -13,7 +13,7 @@ import warnings
 from collections.abc import Callable
 from typing import Any
 
-from surefoot.app.lab.door import WORD, Door, guarded
+from surefoot.app.lab.door import WORD, Door, guard_server
 from surefoot.app.lab.page import Page
 from surefoot.app.lab.session import Session
 from surefoot.base.errors import ProblemError, needs
@@ -65,7 +65,7 @@ class LabServer:
         warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
         door = Door(host)
         # viser greets and has no switch for that
-        with contextlib.redirect_stdout(io.StringIO()), guarded(door):
+        with contextlib.redirect_stdout(io.StringIO()), guard_server(door):
             self._server = viser.ViserServer(host=host, port=port, verbose=False)
         self.port = int(self._server.get_port())
         if port not in (0, self.port):  # taken between our look and viser's; it moves on silently
