@@ -5,6 +5,7 @@ from __future__ import annotations
 import http.server
 import socket
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -105,8 +106,11 @@ def test_a_hostile_page_in_the_same_browser_is_refused(server: LabServer) -> Non
     with Browser(program) as browser, hostile_page(server.port) as address:
         own = browser.open(server.url)
         own.wait_for("document.querySelectorAll('canvas').length > 0")
+        end = time.monotonic() + 30.0
+        while not server.sessions and time.monotonic() < end:  # its canvas is there before its websocket
+            time.sleep(0.05)
         assert server.sessions
         before = len(server.sessions)
         tab = browser.open(address)
         assert tab.wait_for("window.said") == "refused"
-        assert len(server.sessions) == before
+        assert len(server.sessions) <= before  # a page that is hidden may leave
