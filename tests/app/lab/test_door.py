@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
-from surefoot.app.lab.cone import ConePage
 
+from surefoot.app.lab.cone import ConePage
 from surefoot.app.lab.server import LabServer
 from tests.browser import Browser, find_chromium
 
