@@ -14,7 +14,7 @@ FloatArray: TypeAlias = NDArray[np.float64]
 IntArray: TypeAlias = NDArray[np.int64]
 BoolArray: TypeAlias = NDArray[np.bool_]
 
-_FLOAT = np.dtype(np.float64)
+_FLOAT, _BOOL = np.dtype(np.float64), np.dtype(np.bool_)
 
 
 def array_of(name: str, value: ArrayLike, kinds: str, wanted: str, dtype: type | None) -> NDArray[Any]:
@@ -77,6 +77,38 @@ def real_array(name: str, value: ArrayLike, shape: Sequence[int | None] | None =
     if bad.any():
         raise ProblemError(f"{name}{_where(bad)} is NaN")
     return array
+
+
+def sized_array(name: str, value: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+    """Return `value` as a float array of a shape, NaN allowed: for steps that say of NaN what it did.
+
+    Raises
+    ------
+    ProblemError
+        If it is not numeric or has another shape.
+    """
+    if type(value) is np.ndarray and value.dtype is _FLOAT and value.shape == shape:
+        return value
+    array = numbers(name, value)
+    if array.shape != shape:
+        raise ProblemError(f"{name} must have shape {shape}, got {array.shape}")
+    return array
+
+
+def sized_flags(name: str, value: ArrayLike, count: int) -> BoolArray:
+    """Return `value` as a (count,) array of True and False.
+
+    Raises
+    ------
+    ProblemError
+        If it is none.
+    """
+    if type(value) is np.ndarray and value.dtype is _BOOL and value.shape == (count,):
+        return value
+    flags: BoolArray = array_of(name, value, "b", "True and False", np.bool_)
+    if flags.shape != (count,):
+        raise ProblemError(f"{name} must have shape ({count},), got {flags.shape}")
+    return flags
 
 
 def finite_array(name: str, value: ArrayLike, shape: Sequence[int | None] | None = None) -> FloatArray:

@@ -147,7 +147,7 @@ def table_of(
     """
     if not isinstance(value, dict) or not all(isinstance(key, str) for key in value):
         named = "names" if keys is None else f"the keys {', '.join(keys)}"
-        raise ProblemError(f"{where} must be a mapping of {named}, got {value!r:.60}")
+        raise ProblemError(f"{where} must be a mapping of {named}, got {shown(value)}")
     for key in value if keys is not None else ():
         if key not in (keys or ()):
             raise ProblemError(f"{where}: {unknown_name('key', key, keys or ())}")

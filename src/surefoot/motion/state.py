@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.arrays import BoolArray, FloatArray, sized_array, sized_flags
+from surefoot.mechanics import Robot
 
 
 class HeightScan(NamedTuple):
@@ -54,3 +55,20 @@ class RobotState(NamedTuple):
     torques: FloatArray | None = None
     forces: FloatArray | None = None
     scan: HeightScan | None = None
+
+    def fitting(self, robot: Robot) -> RobotState:
+        """Return the state with arrays of a robot's sizes; NaN is let through.
+
+        Raises
+        ------
+        ProblemError
+            For what is no array of its shape.
+        """
+        feet, joints, model = len(robot.feet), (robot.joints,), robot.model
+        return self._replace(
+            q=sized_array("q", self.q, (model.nq,)),
+            v=sized_array("v", self.v, (model.nv,)),
+            contact=None if self.contact is None else sized_flags("contact", self.contact, feet),
+            torques=None if self.torques is None else sized_array("torques", self.torques, joints),
+            forces=None if self.forces is None else sized_array("forces", self.forces, (feet, 3)),
+        )

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+import ctypes
 import errno
 import json
 import os
 import signal
+import threading
+import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numba
 import numpy as np
 import pytest
+import typer
 
 from surefoot.app.cli.main import main
+from surefoot.app.cli.signals import ends_softly
+from surefoot.base.compilation import clock
 from surefoot.base.errors import SimulationError
 from surefoot.records.log import part_files, recorder
 from surefoot.records.log.reading import read_log
@@ -51,14 +59,13 @@ def test_a_signal_ends_a_run_as_ctrl_c_does(
     assert not (folder / "log.parts").exists()
 
 
-def test_a_signal_before_the_first_step_leaves_no_log(
+def test_a_signal_before_the_first_step_leaves_no_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     at_step(monkeypatch, 1, lambda: os.kill(os.getpid(), signal.SIGTERM))
     assert main([*WALK, str(tmp_path)]) == 143
     assert capfd.readouterr().err.strip() == "terminated"
-    (folder,) = tmp_path.iterdir()
-    assert list(folder.iterdir()) == []
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_disk_that_fills_up_is_told(
@@ -114,3 +121,64 @@ def test_a_world_that_cannot_go_on_ends_the_run(
     assert 100 < len(log) < 120
     assert log.facts["outcome"] == "invalid"
     assert log.facts["error"] in line
+
+
+def ended_by(run: Callable[[], object]) -> int:
+    """Return the exit code with which a signal ends what runs."""
+    with pytest.raises(typer.Exit) as found, ends_softly():
+        run()
+    return found.value.exit_code
+
+
+def nap(seconds: float) -> None:
+    """Let the time pass in many short sleeps."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        time.sleep(0.002)
+
+
+def test_a_signal_whose_exception_c_swallows_comes_again() -> None:
+    """LLVM calls Python's functions while it compiles: what these raise goes nowhere."""
+
+    @ctypes.CFUNCTYPE(None)
+    def called_by_c() -> None:
+        os.kill(os.getpid(), signal.SIGTERM)
+        nap(0.01)
+
+    passed = []
+    assert ended_by(lambda: (called_by_c(), passed.append("swallowed"), nap(30.0))) == 143
+    assert passed == ["swallowed"]
+
+
+def test_a_signal_while_a_kernel_compiles_waits_for_it() -> None:
+    done = []
+
+    def compile_one() -> None:
+        clock._compiling.start()
+        try:
+            os.kill(os.getpid(), signal.SIGTERM)
+            nap(0.01)
+            done.append("compiled")
+        finally:
+            clock._compiling.end()
+        done.append("too far")
+
+    assert ended_by(compile_one) == 143
+    assert done == ["compiled"]
+
+
+def compile_for(seconds: float, seed: int) -> None:
+    """Compile kernels that nobody has compiled before."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        scope: dict[str, Any] = {}
+        exec(f"def kernel(x):\n    y = x + {seed}.0\n    return (y * y).sum()", scope)
+        numba.njit(scope["kernel"])(np.ones(3))
+
+
+@pytest.mark.long
+def test_no_signal_is_lost_in_two_hundred_cold_compiles() -> None:
+    random = np.random.default_rng(5)
+    for seed in range(200):
+        timer = threading.Timer(random.uniform(0.0, 0.4), os.kill, (os.getpid(), signal.SIGTERM))
+        assert ended_by(lambda: (timer.start(), compile_for(30.0, seed))) == 143  # noqa: B023

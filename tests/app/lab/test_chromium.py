@@ -149,7 +149,7 @@ def test_every_control_is_moved(name: str, pages: dict[str, Callable[[], Page]],
             assert time.monotonic() < deadline, "the scene does not change"
             time.sleep(1.0)
         assert tab.errors == []
-        assert all(address.startswith(server.url) for address in tab.requests)
+        assert all(address.startswith(server.home) for address in tab.requests)
 
 
 def picture(tab: Tab, path: Path) -> np.ndarray:

@@ -60,6 +60,9 @@ def main(arguments: list[str] | None = None) -> int:
         return 130
     except OSError as error:
         return _bad_input(f"{error.strerror or error}" + (f": {error.filename}" if error.filename else ""))
+    finally:
+        if (output := sys.modules.get("surefoot.app.cli.output")) is not None:
+            output.drop_empty_folders()
     return result if isinstance(result, int) else 0
 
 

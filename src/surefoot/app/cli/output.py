@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import os
@@ -10,6 +11,16 @@ from pathlib import Path
 from typing import Any
 
 from surefoot.base.errors import ProblemError
+
+_made: list[Path] = []
+"""Folders of the run."""
+
+
+def drop_empty_folders() -> None:
+    """Remove the folders of the run into which nothing was written: an interrupted run leaves none."""
+    while _made:
+        with contextlib.suppress(OSError):  # it holds something
+            _made.pop().rmdir()
 
 
 def new_run_folder(parent: Path, name: str) -> Path:
@@ -33,6 +44,7 @@ def new_run_folder(parent: Path, name: str) -> Path:
             raise ProblemError(f"cannot write to --out {parent}: {error.strerror}") from error
         if not os.access(folder, os.W_OK):
             raise ProblemError(f"cannot write to --out {parent}: not writable")
+        _made.append(folder)
         return folder
     raise ProblemError(f"cannot find a free folder name under {parent}")
 

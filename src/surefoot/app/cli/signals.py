@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 import threading
@@ -14,6 +15,8 @@ import typer
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""
+AGAIN = 0.02
+"""Time after which a signal is sent anew that was swallowed [s]."""
 NAMES = ("SIGTERM", "SIGHUP")
 
 
@@ -25,6 +28,13 @@ class EndSignal:
     """Which signal asked for the end, if any."""
 
     number: int | None = None
+    heeded = False
+    """Whether the end has come: what is still under way of a signal does nothing then."""
+
+    def act(self) -> None:
+        """End what runs."""
+        if not self.heeded:
+            raise Termination
 
     @property
     def code(self) -> int:
@@ -49,7 +59,9 @@ def ends_softly(emergency: bool = False) -> Iterator[EndSignal]:
 
     def end(number: int, frame: FrameType | None) -> None:
         stop.number = number
-        raise Termination
+        clock = sys.modules.get("surefoot.base.compilation.clock")  # no kernel is compiled without it
+        if clock is None or not clock.after_kernel(stop.act):
+            stop.act()
 
     earlier: dict[int, Any] = {}
     if threading.current_thread() is threading.main_thread():
@@ -60,13 +72,39 @@ def ends_softly(emergency: bool = False) -> Iterator[EndSignal]:
         if emergency and signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
             earlier[signal.SIGINT] = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        yield stop
+        with _signals_again(stop):
+            yield stop
     except Termination:
         print("terminated", file=sys.stderr)
         raise typer.Exit(stop.code) from None
     finally:
         for number, handler in earlier.items():
             signal.signal(number, handler)
+
+
+@contextmanager
+def _signals_again(stop: EndSignal) -> Iterator[None]:
+    """Send a signal anew whose exception C has swallowed, as it does in callbacks and destructors."""
+    earlier = sys.unraisablehook
+
+    def hear(lost: Any) -> None:
+        if not isinstance(lost.exc_value, Termination) or stop.number is None:
+            earlier(lost)
+            return
+        timer = threading.Timer(AGAIN, os.kill, (os.getpid(), stop.number))
+        timer.daemon = True
+        waiting.append(timer)
+        timer.start()
+
+    waiting: list[threading.Timer] = []
+    sys.unraisablehook = hear
+    try:
+        yield
+    finally:
+        stop.heeded, sys.unraisablehook = True, earlier
+        for timer in waiting:
+            timer.cancel()
+            timer.join()
 
 
 def _handlers_to_replace(name: str, emergency: bool) -> tuple[Any, ...]:

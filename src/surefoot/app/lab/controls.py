@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from surefoot.base.errors import ProblemError, check_name, unknown_name
+from surefoot.base.errors import ProblemError, check_name, shown, unknown_name
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Slider:
     def checked(self, raw: object) -> float:
         """Return what was sent as a number, or raise `ProblemError`."""
         if isinstance(raw, bool) or not isinstance(raw, int | float) or not math.isfinite(raw):
-            raise ProblemError(f"{self.label} must be a finite number, got {raw!r:.40}")
+            raise ProblemError(f"{self.label} must be a finite number, got {shown(raw)}")
         if not self.low - 1e-9 <= raw <= self.high + 1e-9:
             raise ProblemError(f"{self.label} must be from {self.low:g} to {self.high:g}, got {raw:g}")
         return float(raw)
@@ -71,7 +71,7 @@ class Checkbox:
     def checked(self, raw: object) -> bool:
         """Return what was sent if it is true or false, or raise `ProblemError`."""
         if not isinstance(raw, bool):
-            raise ProblemError(f"{self.label} must be true or false, got {raw!r:.40}")
+            raise ProblemError(f"{self.label} must be true or false, got {shown(raw)}")
         return raw
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from surefoot.app.lab.controls import Values
 from surefoot.app.lab.drawing import Drawing
 from surefoot.base.arrays import FloatArray
-from surefoot.base.errors import ProblemError
+from surefoot.base.errors import ProblemError, shown
 
 FURTHEST = 1e3
 """A mouse that points further away than this points nowhere [m]."""
@@ -90,11 +90,11 @@ class Page(ABC):
 
     def press(self, name: str) -> None:
         """Take a press of a button."""
-        raise ProblemError(f"there is no button {name!r:.40}")
+        raise ProblemError(f"there is no button {shown(name)}")
 
     def grip(self, grip: Grip) -> None:
         """Take a move of the mouse with a shape."""
-        raise ProblemError(f"{grip.name!r:.40} cannot be moved")
+        raise ProblemError(f"{shown(grip.name)} cannot be moved")
 
     @abstractmethod
     def drawing(self) -> Drawing:

@@ -13,6 +13,7 @@ import warnings
 from collections.abc import Callable
 from typing import Any
 
+from surefoot.app.lab.door import WORD, Door, guard_server
 from surefoot.app.lab.page import Page
 from surefoot.app.lab.session import Session
 from surefoot.base.errors import ProblemError, needs
@@ -37,8 +38,8 @@ class LabServer:
 
     Attributes
     ----------
-    url
-        For the browser.
+    url, home
+        For the browser, with the token that lets it in; and without.
     port
         That it has.
     sessions
@@ -62,13 +63,16 @@ class LabServer:
         self._silence = contextlib.ExitStack()
         self._silence.enter_context(warnings.catch_warnings())
         warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
-        with contextlib.redirect_stdout(io.StringIO()):  # viser greets and has no switch for that
+        door = Door(host)
+        # viser greets and has no switch for that
+        with contextlib.redirect_stdout(io.StringIO()), guard_server(door):
             self._server = viser.ViserServer(host=host, port=port, verbose=False)
         self.port = int(self._server.get_port())
         if port not in (0, self.port):  # taken between our look and viser's; it moves on silently
             self.stop()
             raise ProblemError(_in_use(host, port))
-        self.url = f"http://{f'[{host}]' if ':' in host else host}:{self.port}"
+        self.home = f"http://{f'[{host}]' if ':' in host else host}:{self.port}"
+        self.url = f"{self.home}/?{WORD}={door.token}"
         self._set_up()
 
     def _set_up(self) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import threading
 import time
+from collections.abc import Callable
 from typing import Any
 
 
@@ -15,6 +16,7 @@ class _CompilingTime(threading.local):
     """How long a thread has had Numba's compiler, or waited for it: nested calls count once."""
 
     depth, since, total = 0, 0.0, 0.0
+    after: Callable[[], None] | None = None
 
     def start(self) -> None:
         """Stop the clock."""
@@ -27,6 +29,9 @@ class _CompilingTime(threading.local):
         self.depth -= 1
         if self.depth == 0:
             self.total += time.perf_counter() - self.since
+        if self.depth == 0 and self.after is not None:
+            after, self.after = self.after, None
+            after()
 
 
 _compiling = _CompilingTime()
@@ -56,3 +61,14 @@ def working_time() -> float:
     Bounds on time are kept by it: what is compiled once per machine counts against nobody's `max_time`.
     """
     return time.perf_counter() - _compiling.total
+
+
+def after_kernel(call: Callable[[], None]) -> bool:
+    """Let a call wait for the kernel that this thread compiles; return False, and do nothing, if it does not.
+
+    For handlers of signals: what they raise inside LLVM's callbacks is swallowed, since C calls these.
+    """
+    if _compiling.depth == 0:
+        return False
+    _compiling.after = call
+    return True

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.arrays import BoolArray, FloatArray, numbers
 from surefoot.base.errors import ProblemError
 
 Fit = Literal["inner", "outer"]
@@ -56,7 +56,7 @@ class Cone(ABC):
 
     def _points(self, x: ArrayLike) -> FloatArray:
         """Return x as floats, its last axis checked against `dim`."""
-        points = np.asarray(x, dtype=np.float64)
+        points = numbers("points", x)
         if points.ndim == 0 or points.shape[-1] != self.dim:
             raise ProblemError(f"expected points of shape (..., {self.dim}), got {points.shape}")
         return points

@@ -55,7 +55,7 @@ class ContactSet(Sequence[ContactKind]):
             raise ProblemError(f"{wanted}, got {shown(contacts)}") from error
         for k, contact in enumerate(self._contacts):
             if not isinstance(contact, ContactKind):
-                raise ProblemError(f"contacts[{k}] must be one of sf.contact_sets, got {contact!r:.80}")
+                raise ProblemError(f"contacts[{k}] must be one of sf.contact_sets, got {shown(contact)}")
         counts = [contact.rows for contact in self._contacts]
         self.offsets: IntArray = np.concatenate([[0], np.cumsum(counts, dtype=np.int64)]).astype(np.int64)
         self.rows = int(self.offsets[-1])

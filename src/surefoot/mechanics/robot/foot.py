@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
-from surefoot.base.errors import ProblemError
+from surefoot.base.errors import ProblemError, shown
 from surefoot.contact import Sole
 from surefoot.mechanics.robot.catalog import CatalogEntry
 from surefoot.mechanics.robot.outlines import area_of, centroid_of, hull_of, inner_rectangle
@@ -119,7 +119,7 @@ def frame_names(feet: str | Sequence[str] | None) -> Sequence[str] | None:
     if isinstance(feet, str):
         return [name.strip() for name in feet.split(",")]
     if feet is not None and not (isinstance(feet, Sequence) and all(isinstance(f, str) for f in feet)):
-        raise ProblemError(f"feet must be names of frames, got {feet!r:.60}")
+        raise ProblemError(f"feet must be names of frames, got {shown(feet)}")
     return feet
 
 

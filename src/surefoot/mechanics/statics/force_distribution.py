@@ -26,11 +26,10 @@ from surefoot.mechanics.statics.force_parameters import (
 
 _STATUS = (Status.SOLVED, Status.ALMOST, Status.MAX_ITERATIONS, Status.INVALID, Status.INFEASIBLE)
 """By the codes of `layout`, which are places in this tuple."""
-_FLOAT = np.float64
 _WRENCH = (6,)
 NOT_NUMBERS = "grasp_map and wrench must be arrays of numbers"
 # `solve` takes about a microsecond, of which every attribute lookup is a few per cent
-_contiguous, _empty = np.ascontiguousarray, np.empty
+_empty = np.empty
 _distribute: Callable[[FloatArray, FloatArray, FloatArray, FloatArray], int] = distribute_wrench
 
 
@@ -192,8 +191,8 @@ class ForceDistributor(Remembering):
             For a wrong shape or input that is not numbers, and for nothing else.
         """
         try:
-            A, w = _contiguous(grasp_map, _FLOAT), _contiguous(wrench, _FLOAT)
-        except (TypeError, ValueError, OverflowError) as error:
+            A, w = numbers("grasp_map", grasp_map), numbers("wrench", wrench)
+        except ProblemError as error:
             raise ProblemError(NOT_NUMBERS) from error
         if A.shape != self._shape or w.shape != _WRENCH:
             self._fit(A, w)

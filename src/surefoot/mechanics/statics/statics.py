@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import LARGEST, FloatArray, finite_array, numbers, of_kind, real_number
-from surefoot.base.errors import ProblemError
+from surefoot.base.errors import ProblemError, shown
 from surefoot.base.spatial import GRAVITY
 from surefoot.contact import Fit
 from surefoot.mechanics.stance import Stance
@@ -300,9 +300,9 @@ def needed_wrench(mass: float, external_wrench: ArrayLike | float = 0.0) -> Floa
         If the mass is not positive and finite or the wrench is not (6,) and finite.
     """
     if not isinstance(mass, (int, float, np.integer, np.floating)):
-        raise ProblemError(f"mass must be a number [kg], got {mass!r:.60}")
+        raise ProblemError(f"mass must be a number [kg], got {shown(mass)}")
     if not 0.0 < mass <= LARGEST:
-        raise ProblemError(f"mass must be positive and up to {LARGEST:g} kg, got {mass!r:.60}")
+        raise ProblemError(f"mass must be positive and up to {LARGEST:g} kg, got {shown(mass)}")
     load = np.zeros(6)
     load[2] = mass * GRAVITY
     if not (isinstance(external_wrench, (int, float)) and external_wrench == 0.0):

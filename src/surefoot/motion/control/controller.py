@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
-from surefoot.base.errors import ProblemError
+from surefoot.base.errors import ProblemError, shown
 from surefoot.base.memory import Memory, Remembering
 from surefoot.contact import Status
 from surefoot.motion.state import HeightScan as HeightScan
@@ -157,7 +157,7 @@ class FunctionController(Controller):
         if torques.shape != (joints,) or torques.dtype.kind not in "fiu":
             raise ProblemError(
                 f"a controller's function returns (joints,) = ({joints},) torques, JointTargets or a "
-                f"Command, got {given!r:.60}"
+                f"Command, got {shown(given)}"
             )
         if not np.isfinite(torques).all():
             return Command(np.zeros(joints), attained=False, status=Status.INVALID)
@@ -217,7 +217,7 @@ class Wrapper(Controller, Remembering):
 
     def __init__(self, controller: Controller) -> None:
         if not callable(getattr(controller, "step", None)):
-            raise ProblemError(f"controller must be a Controller, got {controller!r:.60}")
+            raise ProblemError(f"controller must be a Controller, got {shown(controller)}")
         self.controller = controller
         self.channels, self.facts = controller.channels, controller.facts
 

@@ -23,7 +23,7 @@ from surefoot.base.arrays import (
     real_number,
     whole_number,
 )
-from surefoot.base.errors import ProblemError
+from surefoot.base.errors import ProblemError, shown
 from surefoot.base.memory import Remembering
 from surefoot.base.settings import Settings, setting
 from surefoot.base.spatial import GRAVITY
@@ -347,7 +347,7 @@ class ConvexMpc(Remembering):
         N, n = self.horizon, self.feet
         friction = finite_array("mu", mu)
         if friction.shape not in ((), (n,), (N, n)) or (friction < 0.0).any():
-            raise ProblemError(f"mu must be >= 0 with shape ({n},) or ({N}, {n}), got {mu!r:.80}")
+            raise ProblemError(f"mu must be >= 0 with shape ({n},) or ({N}, {n}), got {shown(mu)}")
         bounds = self._bounds.copy()
         bounds[:, :, 0] = friction
         return bounds

@@ -28,7 +28,7 @@ import math
 
 import numpy as np
 
-from surefoot.base.arrays import BoolArray, FloatArray, IntArray, of_kind, real_array
+from surefoot.base.arrays import BoolArray, FloatArray, IntArray, of_kind, real_array, sized_array
 from surefoot.base.errors import ModelError, ProblemError
 from surefoot.base.live_arrays import Bound
 from surefoot.base.memory import Memory, Remembering
@@ -314,8 +314,9 @@ class WholeBodyController(Bound, Remembering):
         self, q: FloatArray, v: FloatArray, tasks: Tasks, limits: ForceLimits = FREE
     ) -> WholeBodyCommand:
         """Return the command for a state (nq,) [m, -, rad], (nv,) [m/s, rad/s]: `update`, then `solve`."""
-        self.update(q, v)
-        return self.solve(tasks, limits)
+        robot, model = self.robot, self.robot.model
+        self.update(sized_array("q", q, (model.nq,)), sized_array("v", v, (model.nv,)))
+        return self.solve(tasks.fitting(len(robot.feet), len(self.point_foot), robot.joints), limits)
 
     def _part(self, which: int, *shape: int) -> FloatArray:
         """Return a view of a part of the memory of a step, see `part`."""
@@ -331,8 +332,7 @@ class WholeBodyController(Bound, Remembering):
     def _share(self, tasks: Tasks) -> tuple[FloatArray, Status, _Answer]:
         """Return forces and what follows from them, the torques of loaded joints within their limits."""
         distributor = self._distributor
-        forces = distributor.solve(*self._problem, tasks.forces)
-        answer = self._answer(forces)
+        answer = self._answer(forces := distributor.solve(*self._problem, tasks.forces))
         if answer[3][1] > 1.0:
             distributor = self._limited
             forces = self._within_limits(tasks)

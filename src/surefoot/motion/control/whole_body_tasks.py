@@ -6,7 +6,15 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from surefoot.base.arrays import BoolArray, FloatArray, finite_array, of_kind, real_number
+from surefoot.base.arrays import (
+    BoolArray,
+    FloatArray,
+    finite_array,
+    of_kind,
+    real_number,
+    sized_array,
+    sized_flags,
+)
 from surefoot.base.settings import Settings, setting
 from surefoot.contact import Status
 from surefoot.mechanics import Actuators
@@ -143,6 +151,21 @@ class Tasks(NamedTuple):
     forces: FloatArray
     frames: FloatArray
     gaps: FloatArray
+
+    def fitting(self, feet: int, points: int, joints: int) -> Tasks:
+        """Return the tasks of a robot with so many feet, contact points and joints; NaN is let through.
+
+        Raises
+        ------
+        ProblemError
+            For what is no array of its shape.
+        """
+        shapes = (3,), (3,), (feet, 6), (joints,), (points, 3), (feet, 3, 3), (feet,)
+        rows = (sized_array(*one) for one in zip(TASK_NAMES, self[1:], shapes, strict=True))
+        return Tasks(sized_flags("stance", self.stance, feet), *rows)
+
+
+TASK_NAMES = Tasks._fields[1:]
 
 
 class ForceLimits(NamedTuple):

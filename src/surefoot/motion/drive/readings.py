@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from surefoot.base.arrays import BoolArray, FloatArray, IntArray, real_number
+from surefoot.base.arrays import BoolArray, FloatArray, IntArray, numbers, real_number
 from surefoot.base.errors import ProblemError, unknown_name
 from surefoot.base.memory import Remembering
 from surefoot.base.spatial import tilt_of
@@ -68,12 +68,16 @@ class RobotReadings(NamedTuple):
         return RobotReadings(*self[:4], q, v, torques, self.forces)
 
     def arrange(self, order: IntArray) -> RobotReadings | None:
-        """Return the readings in another order, (joints,) numbers of joints; None for wrong shapes."""
+        """Return the readings in another order, (joints,) numbers of joints; None for what is no reading."""
         joints = order.shape
-        rows = [np.asarray(row, dtype=np.float64) for row in self[1:7]]
+        try:
+            time, rows = real_number("time", self.time), [numbers("a reading", row) for row in self[1:7]]
+            forces = None if self.forces is None else numbers("forces", self.forces)
+        except ProblemError:
+            return None
         if [row.shape for row in rows] != [(4,), (3,), (3,), joints, joints, joints]:
             return None
-        return RobotReadings._make([float(self.time), *rows, self.forces]).ordered(order)
+        return RobotReadings._make([time, *rows, forces]).ordered(order)
 
     def loaded_feet(self, least: float) -> BoolArray | None:
         """Return which (n,) feet bear more than a force [N] by their own sensors; None without any."""

@@ -5,7 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.base.arrays import BoolArray, FloatArray, finite_array, of_kind, real_number
+from surefoot.base.arrays import (
+    BoolArray,
+    FloatArray,
+    finite_array,
+    of_kind,
+    real_number,
+    sized_array,
+    sized_flags,
+)
 from surefoot.base.errors import ProblemError
 from surefoot.base.live_arrays import Bound
 from surefoot.base.spatial import rotation_from_quaternion
@@ -140,13 +148,15 @@ class InvariantEkf(Bound):
 
     def predict(self, gyro: ArrayLike, accelerometer: ArrayLike) -> None:
         """Go on by dt with the (3,) turn rate [rad/s] and specific force [m/s²] of the IMU, base axes."""
-        rate = np.asarray(gyro, dtype=np.float64)
-        self.filter.predict(rate, np.asarray(accelerometer, dtype=np.float64), self.dt)
+        rate = sized_array("gyro", gyro, (3,))
+        self.filter.predict(rate, sized_array("accelerometer", accelerometer, (3,)), self.dt)
         self._turn[:] = rate - self.filter.bias[:3]
 
     def joints(self, positions: ArrayLike, speeds: ArrayLike) -> None:
         """Take the (joints,) angles [rad] and speeds [rad/s] that `q_v` holds from now on."""
-        self.q[7:], self.v[6:] = positions, speeds
+        joints = (self.robot.joints,)
+        self.q[7:] = sized_array("positions", positions, joints)
+        self.v[6:] = sized_array("speeds", speeds, joints)
 
     def update(self, positions: ArrayLike, speeds: ArrayLike, contact: ArrayLike) -> BoolArray:
         """Correct with encoders and contacts; return which feet were believed: (n,).
@@ -160,7 +170,7 @@ class InvariantEkf(Bound):
         """
         self.joints(positions, speeds)
         self.feet.update(*self.legs)
-        self.correct(np.asarray(contact, dtype=np.bool_))
+        self.correct(sized_flags("contact", contact, len(self.robot.feet)))
         return self.filter.used.copy()
 
     def correct(self, contact: BoolArray) -> bool:

@@ -17,8 +17,16 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.base.arrays import BoolArray, FloatArray, IntArray, finite_array, real_number
-from surefoot.base.errors import ProblemError
+from surefoot.base.arrays import (
+    BoolArray,
+    FloatArray,
+    IntArray,
+    array_of,
+    finite_array,
+    real_number,
+    whole_number,
+)
+from surefoot.base.errors import ProblemError, shown
 from surefoot.motion.gaits.contact_schedule import SAME_TIME, ContactSchedule
 
 MAX_FLIGHT = 0.35
@@ -323,11 +331,16 @@ def _check_rising(name: str, times: FloatArray) -> None:
 
 def _mode_table(name: str, modes: ArrayLike, feet: int | None, count: int) -> BoolArray:
     """Return modes as a (count, feet) table of carrying feet."""
-    table = np.asarray(modes)
+    table = array_of(f"the modes of {name}", modes, "biufO", "whole numbers or feet that carry", np.float64)
     if table.ndim == 1:
         if feet is None:
             raise ProblemError(f"{name}: give the number of feet with mode numbers")
+        feet = whole_number("feet", feet, low=1)
+        if not np.all(table == np.round(table)):
+            raise ProblemError(f"the modes of {name} must be whole numbers, got {shown(modes)}")
         table = np.array([mode_feet(int(m), feet) for m in table]).reshape(-1, feet)
+    if table.ndim == 0:
+        raise ProblemError(f"the modes of {name} must be a list of {count}, got {shown(modes)}")
     if table.ndim != 2 or len(table) != count or table.shape[1] < 1:
         raise ProblemError(f"{name} needs {count} modes between its events, got {len(table)}")
     if feet is not None and table.shape[1] != feet:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surefoot.base.arrays import BoolArray, FloatArray, finite_array, of_kind
+from surefoot.base.arrays import BoolArray, FloatArray, finite_array, of_kind, real_number
 from surefoot.base.errors import ProblemError
 from surefoot.mechanics import MomentumKnot, Robot, StepOptions, Stepper, Terrain, velocity_of_way
 
@@ -162,10 +162,10 @@ def rollout(
     ((11, 19), True, True)
     """
     of_kind("robot", robot, Robot)
-    knot = MomentumKnot(Stepper(robot, terrain, StepOptions(dt=dt, order=1, solver_tol=TOLERANCE)))
     model = robot.model
     q, v = finite_array("q", q, (model.nq,)), finite_array("v", v, (model.nv,))
-    policy, count = _policy(robot, torques, steps)
+    mu, (policy, count) = real_number("mu", mu, low=0.0), _policy(robot, torques, steps)
+    knot = MomentumKnot(Stepper(robot, terrain, StepOptions(dt=dt, order=1, solver_tol=TOLERANCE)))
     out = Trajectory.blank(robot, count, knot.stepper.options.dt, mu)
     out.q[0], out.v[0] = q, v
     out.ways[0] = velocity_of_way(model, q, v, dt)

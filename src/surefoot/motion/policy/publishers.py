@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from surefoot.base.errors import ProblemError, check_name
+from surefoot.base.errors import ProblemError, check_name, shown
 from surefoot.base.text_files import parse_yaml, read_text, read_yaml, table_of
 from surefoot.mechanics import Robot, robot_names
 from surefoot.motion.policy.network import Network
@@ -123,7 +123,7 @@ def read_description(path: Path, robot: Robot) -> dict[str, Any]:
     except ProblemError:
         raise
     except (LookupError, TypeError, AttributeError, ValueError, ArithmeticError) as error:
-        raise ProblemError(f"{path} is not as its publisher writes such files: {error!r:.80}") from error
+        raise ProblemError(f"{path} is not as its publisher writes such files: {shown(error)}") from error
     return said
 
 

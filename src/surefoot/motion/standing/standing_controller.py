@@ -209,6 +209,7 @@ class StandingController(Remade, Controller):
         and `status` tell the rest. A state that is not finite, or too large to compute with, gets a command
         that slows the joints, with no forces and the status INVALID; it changes nothing else.
         """
+        state = state.fitting(self.robot)
         q, v = state.q, state.v
         if not computable_pose(q, v):
             return self._blind(v)

@@ -70,7 +70,7 @@ class Tick(Controller):
         large to compute with, gets a command that slows the joints, and changes nothing else.
         """
         self.plan_ahead()  # if nobody has
-        measured = state
+        measured = state.fitting(self.robot)
         if not computable_pose(measured.q, measured.v):
             return self._damped(measured.v)
         # sense: what the robot carries, where it is, which feet stand

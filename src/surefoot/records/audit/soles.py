@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
-from surefoot.base.errors import ProblemError
+from surefoot.base.errors import ProblemError, shown
 from surefoot.contact import Sole, outward
 from surefoot.records.audit.rows import Measured, Rows, over
 from surefoot.records.log import Log
@@ -38,7 +38,7 @@ def sole_outlines(log: Log) -> dict[int, FloatArray]:
     if len(of) != len(corners) or not np.isin(of, np.arange(points)).all():
         raise ProblemError(
             f"the fact sole_contact must give one of {points} contact points for each of {len(corners)} "
-            f"corners, got {of!r:.80}"
+            f"corners, got {shown(of)}"
         )
     return {int(k): corners[of == k] for k in np.unique(of)}
 

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from surefoot.base.arrays import FloatArray, IntArray, finite_array, real_number
-from surefoot.base.errors import ProblemError
+from surefoot.base.errors import ProblemError, shown
 from surefoot.base.npz_files import check_archive
 from surefoot.base.text_files import path_of
 
@@ -156,7 +156,7 @@ class Tosses:
         """
         chosen = _indices("which", which)
         if chosen.size == 0 or chosen.min() < 0 or chosen.max() >= len(self):
-            raise ProblemError(f"tosses are chosen from 0 to {len(self) - 1}, got {chosen.tolist()!r:.80}")
+            raise ProblemError(f"tosses are chosen from 0 to {len(self) - 1}, got {shown(chosen.tolist())}")
         return self._part(chosen, self.frames[chosen])
 
     def until(self, ends: IntArray) -> Tosses:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import IntArray
-from surefoot.base.errors import ProblemError
+from surefoot.base.errors import ProblemError, shown
 
 
 @dataclass(frozen=True)
@@ -39,18 +39,18 @@ class Fact:
         try:
             array = np.asarray(value, dtype=None if self.text else np.float64)
         except (TypeError, ValueError, OverflowError) as error:
-            raise ProblemError(f"the fact {name} must be numbers, got {value!r:.80}") from error
+            raise ProblemError(f"the fact {name} must be numbers, got {shown(value)}") from error
         wanted = tuple(sizes.get(s) if isinstance(s, str) else s for s in self.shape)
         fits = array.ndim == len(wanted) and all(
             w in (None, have) and have > 0 for w, have in zip(wanted, array.shape, strict=True)
         )
         if self.text and (array.dtype.kind != "U" and array.size > 0):
-            raise ProblemError(f"the fact {name} must be text, got {value!r:.80}")
+            raise ProblemError(f"the fact {name} must be text, got {shown(value)}")
         if not fits:
             shape = f"({', '.join(map(str, self.shape))})"
             raise ProblemError(f"the fact {name} must have shape {shape}, {sizes}, got {array.shape}")
         if self.positive and not ((array > 0.0) & np.isfinite(array)).all():
-            raise ProblemError(f"the fact {name} must be positive and finite, got {value!r:.80}")
+            raise ProblemError(f"the fact {name} must be positive and finite, got {shown(value)}")
         return array if self.shape and not self.text else array.tolist()
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import of_kind, positive_number
-from surefoot.base.errors import ProblemError, check_name
+from surefoot.base.errors import ProblemError, check_name, shown
 from surefoot.contact import Sole
 from surefoot.records.log.channels import CHANNELS
 from surefoot.records.log.from_source import log_from_source
@@ -109,9 +109,9 @@ def log_from_arrays(
     if "q" in fields and "torques" in fields and fields["torques"].shape[1] == fields["q"].shape[1] - 1:
         fields["torques"] = fields["torques"][:, 6:]
     turned = [name for name in ("base_orientation", "q") if name in fields and _has_quaternion(name, fields)]
-    if turned and quaternion not in QUATERNIONS:
+    if turned and not (isinstance(quaternion, str) and quaternion in QUATERNIONS):
         raise ProblemError(
-            f"{turned[0]} holds a quaternion: say quaternion='xyzw' or 'wxyz', got {quaternion!r}"
+            f"{turned[0]} holds a quaternion: say quaternion='xyzw' or 'wxyz', got {shown(quaternion)}"
         )
     if "v" in frame_of and "q" not in turned:
         del frame_of["v"]  # no base that moves
@@ -198,7 +198,7 @@ def _sole_facts(soles: Sequence[Sole], fields: dict[str, Any]) -> dict[str, Any]
     forces = fields.get("forces")
     count = forces.shape[1] if forces is not None and forces.ndim == 3 else 0
     if not all(isinstance(sole, Sole) for sole in soles) or len(soles) != count:
-        raise ProblemError(f"soles must be one sf.Sole for each of {count} feet, got {soles!r:.80}")
+        raise ProblemError(f"soles must be one sf.Sole for each of {count} feet, got {shown(soles)}")
     if "contact_moments" not in fields:
         raise ProblemError(f"soles are judged by their wrenches: give the array {WRENCHES}")
     pads = [sole for sole in soles if sole.torsional_radius]
@@ -229,5 +229,5 @@ def _numpy(name: str, given: Any) -> Any:
         if array.dtype.kind not in "biuf":
             raise TypeError
         return array.astype(np.float64)
-    except (TypeError, ValueError) as error:
-        raise ProblemError(f"array {name} must hold real numbers, got {given!r:.60}") from error
+    except (TypeError, ValueError, RuntimeError) as error:
+        raise ProblemError(f"array {name} must hold real numbers, got {shown(given)}") from error

@@ -181,7 +181,7 @@ class Log(Drawn):
         """
         try:
             arrays = {name: array[which] for name, array in self.arrays.items()}
-        except (IndexError, TypeError, ValueError) as error:
+        except (IndexError, TypeError, ValueError, RuntimeError) as error:
             wanted = f"a slice, a ({len(self)},) mask or whole numbers from 0 to {len(self) - 1}"
             raise ProblemError(f"rows must be {wanted}, got {shown(which)}") from error
         facts = self.facts

@@ -273,5 +273,5 @@ def name_list(name: str, key: str, value: Any) -> tuple[str, ...]:
     value = value.tolist() if isinstance(value, np.generic | np.ndarray) else value
     listed = [value] if isinstance(value, str) else value
     if not isinstance(listed, (list, tuple)) or not all(isinstance(v, str) and v for v in listed):
-        raise ProblemError(f"{name}: {key} must be a name or a list of names, got {value!r:.80}")
+        raise ProblemError(f"{name}: {key} must be a name or a list of names, got {shown(value)}")
     return tuple(listed)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, real_number
-from surefoot.base.errors import ModelError, ProblemError, check_name
+from surefoot.base.errors import ModelError, ProblemError, check_name, shown
 from surefoot.base.numerics.vectors import finite_vector
 from surefoot.base.spatial import rotation_from_quaternion
 from surefoot.mechanics import Robot, Terrain
@@ -187,7 +187,7 @@ class DrakeWorld(EngineWorld):
 def contact_words(contact: Mapping[str, Any]) -> dict[str, Any]:
     """Return a contact's approximation and material as the worker takes them."""
     if not isinstance(contact, Mapping) or not isinstance(contact.get("each_body"), Mapping):
-        raise ProblemError(f"contact must be a mapping with one named each_body, got {contact!r:.80}")
+        raise ProblemError(f"contact must be a mapping with one named each_body, got {shown(contact)}")
     approximation = str(contact.get("discrete_contact_approximation"))
     check_name("discrete_contact_approximation", approximation, APPROXIMATIONS)
     material = contact["each_body"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple, Protocol
 
 from surefoot.base.arrays import FloatArray, IntArray
-from surefoot.base.errors import ProblemError
+from surefoot.base.errors import ProblemError, shown
 from surefoot.mechanics import FlatTerrain, Robot, Terrain
 
 
@@ -100,5 +100,7 @@ def ground_of(terrain: Terrain | None) -> Terrain:
     if terrain is None:
         return FlatTerrain()
     if not isinstance(terrain, Terrain):
-        raise ProblemError(f"terrain must be a Terrain, as sf.SlopeTerrain(10.0) is one, got {terrain!r:.80}")
+        raise ProblemError(
+            f"terrain must be a Terrain, as sf.SlopeTerrain(10.0) is one, got {shown(terrain)}"
+        )
     return terrain

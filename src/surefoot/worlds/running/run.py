@@ -13,7 +13,7 @@ from typing import Any, cast
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
-from surefoot.base.errors import ProblemError, SurefootError, WriteError
+from surefoot.base.errors import ProblemError, SurefootError, WriteError, shown
 from surefoot.base.loaded import loaded_feet
 from surefoot.base.memory import Remembering
 from surefoot.base.spatial import GRAVITY
@@ -104,7 +104,7 @@ def run(
     controller = as_controller(controller, world.robot.joints)
     scenario = Scenario(PLAIN) if scenario is None else scenario
     if not isinstance(scenario, Scenario):
-        raise ProblemError(f"scenario must be a Scenario, as sf.Scenario(5.0) is one, got {scenario!r:.60}")
+        raise ProblemError(f"scenario must be a Scenario, as sf.Scenario(5.0) is one, got {shown(scenario)}")
     q, v = scenario.begin(world)
     world.reset(q)
     check_resumable(world, controller, keep is not None or resume is not None)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, finite_array, real_number, whole_number
-from surefoot.base.errors import ProblemError
+from surefoot.base.errors import ProblemError, shown
 from surefoot.mechanics import Terrain
 from surefoot.records import Ending
 from surefoot.worlds.interface.world import World
@@ -159,7 +159,7 @@ class Scenario:
             given = getattr(self, name)
             if not isinstance(given, Sequence) or not all(isinstance(one, kind) for one in given):
                 raise ProblemError(
-                    f"{name} of a scenario must be a list of {kind.__name__}, got {given!r:.60}"
+                    f"{name} of a scenario must be a list of {kind.__name__}, got {shown(given)}"
                 )
         for push in self.pushes:
             finite_array("force of a push", push.force, (3,))

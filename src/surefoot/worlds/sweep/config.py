@@ -10,7 +10,7 @@ from typing import Any
 
 from surefoot import __version__
 from surefoot.base.arrays import whole_number
-from surefoot.base.errors import ProblemError, check_name, located
+from surefoot.base.errors import ProblemError, check_name, located, shown
 from surefoot.base.text_files import path_of, read_yaml, table_of
 from surefoot.worlds.sweep.function import experiment_of
 from surefoot.worlds.sweep.sample_experiment import SweepExperiment, make_experiment
@@ -125,7 +125,7 @@ def sweep_from_dict(content: Any, folder: Path | None = None, allow_code: bool =
         replace(own, **{name: drawn.ends[0] for name, drawn in ranges.items()}).learn()
     maps = top.get("maps") or []
     if type(maps) is not list or any(type(p) is not list or len(p) != 2 or p[0] == p[1] for p in maps):
-        raise ProblemError(f"maps must be a list of pairs of parameters, got {maps!r:.60}")
+        raise ProblemError(f"maps must be a list of pairs of parameters, got {shown(maps)}")
     samples = whole_number("samples", top.get("samples", SAMPLES))
     space = Space(ranges, whole_number("seed", top.get("seed", 0)))
     return SweepConfig(name, experiment, space, samples, tuple((str(x), str(y)) for x, y in maps))

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
-from surefoot.base.errors import ProblemError, check_name
+from surefoot.base.errors import ProblemError, check_name, shown
 from surefoot.base.spatial import GRAVITY, quaternion_from_rotation, rotation_about
 from surefoot.worlds.sweep.ground_settings import GroundExperiment
 from surefoot.worlds.sweep.sample_experiment import number
@@ -70,7 +70,7 @@ class DropExperiment(GroundExperiment):
         super().__post_init__()
         check_name("body", self.body, BODIES)
         if not isinstance(self.tumble, bool):
-            raise ProblemError(f"tumble must be true or false, got {self.tumble!r:.40}")
+            raise ProblemError(f"tumble must be true or false, got {shown(self.tumble)}")
 
     def run(self, seed: int) -> dict[str, Any]:
         """Return how the body came to rest."""

@@ -17,7 +17,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from surefoot.base.errors import ProblemError, one_line
+from surefoot.base.errors import ProblemError, one_line, shown
 from surefoot.worlds.sweep.sample_experiment import SweepExperiment, number
 
 _KINDS: tuple[tuple[tuple[type, ...], str, Callable[[Any], Any]], ...] = (
@@ -51,7 +51,7 @@ class FunctionExperiment(SweepExperiment):
             or (self.columns and found.keys() != self.columns.keys())
         ):
             wanted = f"with {', '.join(self.columns)}" if self.columns else "of results"
-            raise ProblemError(f"{self.function} must return a dict {wanted}, got {found!r:.80}")
+            raise ProblemError(f"{self.function} must return a dict {wanted}, got {shown(found)}")
         return {str(name): _plain(self.function, name, value)[1] for name, value in found.items()}
 
     def learn(self) -> None:
@@ -113,7 +113,7 @@ def _plain(function: str, name: object, value: Any) -> tuple[str, Any]:
         if isinstance(value, types):
             return kind, make(value)
     raise ProblemError(
-        f"{function}: the result {name!r} must be a number, a text or True or False, got {value!r:.60}"
+        f"{function}: the result {name!r} must be a number, a text or True or False, got {shown(value)}"
     )
 
 

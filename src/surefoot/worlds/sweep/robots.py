@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
-from surefoot.base.errors import ProblemError, check_name
+from surefoot.base.errors import ProblemError, check_name, shown
 from surefoot.mechanics import Actuators, FlatTerrain, Robot, Terrain, load_robot, real_actuators
 from surefoot.worlds.interface.world_names import WORLDS, make_world
 from surefoot.worlds.sweep.ground_settings import GroundExperiment
@@ -91,7 +91,7 @@ class WalkTrial(GroundExperiment):
         from surefoot.motion import gait_names
 
         if not isinstance(self.robot, str) or "/" in self.robot or self.robot.endswith((".urdf", ".xml")):
-            raise ProblemError(f"robot must be the name of a known robot, got {self.robot!r:.60}")
+            raise ProblemError(f"robot must be the name of a known robot, got {shown(self.robot)}")
         check_name("world", self.world, WORLDS)  # a list would not be hashable
         super().__post_init__()
         if (

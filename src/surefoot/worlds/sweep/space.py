@@ -16,7 +16,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from surefoot.base.arrays import real_number
-from surefoot.base.errors import ProblemError, check_name
+from surefoot.base.errors import ProblemError, check_name, shown
 from surefoot.base.text_files import table_of
 from surefoot.worlds.sweep.sample_experiment import SweepExperiment
 
@@ -85,12 +85,12 @@ def read_range(experiment: SweepExperiment, name: str, entry: Any) -> Range:
     if name not in experiment.numbers():
         texts = [entry] if isinstance(entry, str) else entry
         if not isinstance(texts, list) or not texts or not all(isinstance(t, str) for t in texts):
-            raise ProblemError(f"{name} must be a text or a list of texts, got {entry!r:.60}")
+            raise ProblemError(f"{name} must be a text or a list of texts, got {shown(entry)}")
         return TextRange(tuple(texts))
     if isinstance(entry, list) and len(entry) == 2:
         entry = {"low": entry[0], "high": entry[1]}
     if isinstance(entry, list):
-        raise ProblemError(f"{name} must be [low, high], got {entry!r:.60}")
+        raise ProblemError(f"{name} must be [low, high], got {shown(entry)}")
     if not isinstance(entry, dict):
         entry = {"low": entry, "high": entry}
     # whether the ends make sense is the experiment's affair
