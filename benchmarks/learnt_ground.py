@@ -325,7 +325,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = options(__doc__, "a seed of two walks, one value each way", seeds=2)
     parser.add_argument("names", nargs="*", help="settings or classes of them (default: all)")
     given = parser.parse_args(arguments)
-    chosen = []
+    chosen: list[Setting] = []
     for name in given.names or HELD_IN:
         if name.partition(".")[0] not in HELD_IN:
             raise ProblemError(unknown_name("class of settings", name, tuple(HELD_IN)))

@@ -134,9 +134,9 @@ def main() -> None:
             print(f"  {name}: {', '.join(doubts[name])}")
     words = ("right", "named", "refused", "untold", "missed")
     print(f"{'spoilt by':24s}{'form':8s}" + "".join(f"{word:>9s}" for word in words))
-    for (name, form), found in counts.items():
-        row = "".join(f"{len(found[word]):9d}" for word in words)
-        bad = found["missed"] + found["untold"]
+    for (name, form), said in counts.items():
+        row = "".join(f"{len(said[word]):9d}" for word in words)
+        bad = said["missed"] + said["untold"]
         shown = bad if given.all else bad[:3]
         print(f"{name:24s}{form:8s}{row}  {', '.join(shown)}{' ...' if len(shown) < len(bad) else ''}")
 

@@ -72,7 +72,8 @@ class Told:
         """
         rules = [self._known_rule(rule, changed) for rule in RULES]
         with replaced(story, RULES=rules, WRONG_FRAME=self._known_rule(WRONG_FRAME, changed)):
-            causes = story.story_of(*self.given, limits).causes
+            log, setting, symptoms, reason = self.given
+            causes = story.story_of(log, setting, symptoms, reason, limits).causes
         if self.run.fault is None:
             return not causes
         return bool(causes) and is_right(self.run, causes[0].name, str(causes[0].where), causes[0].time)
@@ -166,7 +167,7 @@ def told_runs(
     """
     loops = {loop.name: loop for loop in LOOPS}
     caught: list[tuple[Any, ...]] = []
-    whole = auditor.story_of
+    whole = story.story_of
 
     def noting(*given: Any) -> Any:
         caught.append(given)

@@ -173,4 +173,4 @@ def _by_column(
 def _cause(report: MotionReport) -> str:
     """Return the cause of most impossible frames of a motion."""
     causes = report.frames.cause
-    return Counter(causes[causes != ""].tolist()).most_common(1)[0][0]
+    return str(Counter(causes[causes != ""].tolist()).most_common(1)[0][0])

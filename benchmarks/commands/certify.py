@@ -76,11 +76,12 @@ def _print(console: Console, lawful: list[Executed], found: list[Detection], cou
         )
         for one in found
     ]  # fmt: skip
-    heads = (
+    spoilt_heads = (
         "spoilt by", "frames: certificate", "CoM-CoP", "root jerk", "clips: certificate", "CoM-CoP ",
         "root jerk ", "cause named", "",
     )  # fmt: skip
-    console.print(table(heads, lines, "Areas under the curve at 30 Hz against the same motions as executed"))
+    title = "Areas under the curve at 30 Hz against the same motions as executed"
+    console.print(table(spoilt_heads, lines, title))
 
 
 def _share(value: float) -> str:

@@ -46,7 +46,7 @@ def test_a_file_tells_its_command_and_date(name: str) -> None:
 
 def test_make_bench_writes_them() -> None:
     bench = (ROOT / "Makefile").read_text(encoding="utf-8").split("\nbench:")[1].split("\n\n")[0]
-    assert "python -m docs.tables\n" in bench
+    assert "python -m docs.tables)\n" in bench
 
 
 @pytest.mark.long

@@ -80,7 +80,7 @@ def real_array(name: str, value: ArrayLike, shape: Sequence[int | None] | None =
 
 
 def sized_array(name: str, value: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
-    """Return `value` as a float array of a shape, NaN allowed: for steps that say of NaN what it did.
+    """Return `value` as a float array of a shape (...), NaN allowed: for steps that say of NaN what it did.
 
     Raises
     ------

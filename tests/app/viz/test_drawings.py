@@ -63,6 +63,7 @@ def answers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         "Plan": plan,
         "Log": plan.rows(slice(0, 8)),
         "AuditReport": sf.audit_log(plan),
+        "MotionReport": sf.certify_motion(robot, sf.Motion(robot, np.tile(q, (30, 1)), 30.0, "still")),
         "TossFit": fit(),
         "SweepResult": sweep(tmp_path_factory.mktemp("sweep")),
     }

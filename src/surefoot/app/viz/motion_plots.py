@@ -54,10 +54,10 @@ def write_motion_page(report: MotionReport, path: Path) -> Path:
     """
     from tempfile import TemporaryDirectory
 
-    from surefoot.app.viz.report import paragraph, picture, table, write_report
+    from surefoot.app.viz.report import embed_picture, paragraph, table, write_report
 
     with TemporaryDirectory() as folder:
-        drawn = picture(draw_motion(report, Path(folder) / "motion.png"))
+        drawn = embed_picture(draw_motion(report, Path(folder) / "motion.png"))
     header = ("from [s]", "to [s]", "cause", "where", "worst [m g]", "cure")
     rows = [
         (f"{s.start:.2f}", f"{s.end:.2f}", s.cause, s.where, f"{s.worst:.2f}", s.cure)

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.contact.cones.sole_answers import SoleVerdict
-
-if TYPE_CHECKING:
-    from surefoot.contact.cones.sole import Sole
 
 SEARCHES = 100
 """Newton steps at most for a friction coefficient [-]: 4 to 8 are usual, one for each halving at worst."""
@@ -22,12 +19,28 @@ Given = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 """What every kernel is given of a sole: numbers, table, start and edges, see `sole_kernels`."""
 
 
-def count_moments(sole: Sole, w: FloatArray) -> FloatArray:
+class FlatSole(Protocol):
+    """What is known here of a `Sole`."""
+
+    corners: FloatArray
+    mu: float
+    torsional_radius: float
+
+    @property
+    def centre(self) -> FloatArray:
+        """(2,) mean of the corners [m]."""
+
+    @property
+    def radius(self) -> float:
+        """Largest distance of a corner from the centre [m]."""
+
+
+def count_moments(sole: FlatSole, w: FloatArray) -> FloatArray:
     """Return a wrench (6,) with moments about a sole's centre and over its radius [N]."""
     return np.concatenate([w[:3], (w[3:] - np.cross([*sole.centre, 0.0], w[:3])) / sole.radius])
 
 
-def resistance(sole: Sole, d: FloatArray) -> FloatArray:
+def resistance(sole: FlatSole, d: FloatArray) -> FloatArray:
     """Return the largest product of twists (n, 6) with what a newton at each corner gives: (n, k)."""
     x, y = sole.corners.T
     normal = d[:, 2:3] + d[:, 3:4] * y - d[:, 4:5] * x
@@ -35,7 +48,9 @@ def resistance(sole: Sole, d: FloatArray) -> FloatArray:
     return np.asarray(normal + sole.mu * np.hypot(slide, sole.torsional_radius * d[:, 5:6]))
 
 
-def measure_in_digits(sole: Sole, given: Given, w: FloatArray, needs: FloatArray, shares: FloatArray) -> None:
+def measure_in_digits(
+    sole: FlatSole, given: Given, w: FloatArray, needs: FloatArray, shares: FloatArray
+) -> None:
     """Fill in needs (n,) and shares (n, 3) of finite wrenches (n, 6) where they are NaN, see `measure`."""
     for row in np.flatnonzero(np.isnan(needs) & np.isfinite(w).all(axis=1)):
         needs[row], _, twist = _certify(given, w[row])
@@ -44,7 +59,7 @@ def measure_in_digits(sole: Sole, given: Given, w: FloatArray, needs: FloatArray
         shares[row] = -twist[:2] @ counted[:2], -turn[:2] @ counted[3:5], -turn[2] * counted[5]
 
 
-def hold_in_digits(sole: Sole, given: Given, w: FloatArray, tol: float, unsure: BoolArray) -> BoolArray:
+def hold_in_digits(sole: FlatSole, given: Given, w: FloatArray, tol: float, unsure: BoolArray) -> BoolArray:
     """Tell whether the wrenches that are unsure (n,) of (n, 6) are in a sole's cone, see `Sole.contains`."""
     return np.array(
         [
@@ -55,13 +70,13 @@ def hold_in_digits(sole: Sole, given: Given, w: FloatArray, tol: float, unsure: 
     )
 
 
-def frictions_in_digits(sole: Sole, given: Given, w: FloatArray, found: FloatArray) -> None:
+def frictions_in_digits(sole: FlatSole, given: Given, w: FloatArray, found: FloatArray) -> None:
     """Settle the least friction coefficients (n,) of wrenches (n, 6) where they have a minus: too small."""
     for row in np.flatnonzero(found < 0.0):
         found[row] = _least_friction(sole, given, w[row], -1.0 / found[row])
 
 
-def _least_friction(sole: Sole, given: Given, w: FloatArray, q: float) -> float:
+def _least_friction(sole: FlatSole, given: Given, w: FloatArray, q: float) -> float:
     """Return the least friction coefficient [-] that holds a wrench (6,); q [-] is not less than one over it.
 
     Newton's method on N(q) = f_z, as in `sole_kernels.frictions`: from above, on a convex function.
@@ -96,7 +111,7 @@ def _certify(given: Given, w: FloatArray, mu: float | None = None) -> tuple[floa
     return certify_in_digits(numbers, table, start, w, forces, twist), forces, twist
 
 
-def verdict_on(sole: Sole, given: Given, w: FloatArray, tol: float) -> SoleVerdict:
+def verdict_on(sole: FlatSole, given: Given, w: FloatArray, tol: float) -> SoleVerdict:
     """Return the verdict on a finite wrench (6,), see `Sole.verdict`."""
     from surefoot.contact.cones.sole_kernels import certify
 
@@ -109,7 +124,7 @@ def verdict_on(sole: Sole, given: Given, w: FloatArray, tol: float) -> SoleVerdi
 
 
 def _check_proofs(
-    sole: Sole, w: FloatArray, tol: float, need: float, forces: FloatArray, twist: FloatArray
+    sole: FlatSole, w: FloatArray, tol: float, need: float, forces: FloatArray, twist: FloatArray
 ) -> SoleVerdict:
     """Return what corner forces (k, 4) and a velocity (6,) about the centre prove of a wrench (6,)."""
     margin = float(w[2] - need)
@@ -133,7 +148,7 @@ def _check_proofs(
     return SoleVerdict(None, margin)
 
 
-def _sliding(sole: Sole, w: FloatArray) -> FloatArray:
+def _sliding(sole: FlatSole, w: FloatArray) -> FloatArray:
     """Return minus a twist about the centre that feeds on w (6,) and that no normal force resists."""
     counted = count_moments(sole, w)
     twist = np.zeros(6)
@@ -141,7 +156,7 @@ def _sliding(sole: Sole, w: FloatArray) -> FloatArray:
     return twist
 
 
-def _sum_of(sole: Sole, forces: FloatArray) -> FloatArray:
+def _sum_of(sole: FlatSole, forces: FloatArray) -> FloatArray:
     """Return the wrench (6,) of corner forces and pad moments (k, 4)."""
     arms = np.column_stack([sole.corners, np.zeros(len(sole.corners))])
     moment = np.cross(arms, forces[:, :3]).sum(axis=0)

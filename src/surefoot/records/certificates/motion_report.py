@@ -128,14 +128,14 @@ class MotionReport(Drawn):
     def __str__(self) -> str:
         name, count = self.motion.name, len(self.frames)
         if self.judged == 0:
-            return f"{name}: cannot tell: its {count} frames are fewer than a window of {self.window:.2f} s"
+            return f"{name}: cannot tell: its {count} frames are fewer than a window of {self.window:.2f} s."
         bad = int(np.sum(self.frames.verdict == "impossible"))
         if not bad:
             most = float(np.nanmax(self.frames.share))
-            return f"{name}: {self.verdict}: forces within friction and torques leave at most {most:.3f} m g"
+            return f"{name}: {self.verdict}: forces within friction and torques leave at most {most:.3f} m g."
         worst = max(self.segments, key=lambda s: s.worst * (s.last - s.first + 1))
         share = f"{bad} of {self.judged} frames ({100.0 * self.impossible_share:.1f} %)"
-        return f"{name}: {self.verdict}: {share} need forces that nothing can give; {worst}"
+        return f"{name}: {self.verdict}: {share} need forces that nothing can give; {worst}."
 
     def as_dict(self) -> dict[str, Any]:
         """Return all but the frames as plain values."""

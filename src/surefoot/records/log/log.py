@@ -255,15 +255,15 @@ def join_logs(first: Log, second: Log) -> Log:
         raise ProblemError("logs can be joined where the first has rows at rising times, or the fact dt")
     later = float(first["time"][-1]) + step - float(second["time"][0])
     if abs(later) <= 0.5 * step:  # it goes on where the first ends: no new episode
-        return Log(_joined(first, second), first.facts, channels=first.channels)
-    arrays = _joined(first, second)
+        return Log(_concatenate(first, second), first.facts, channels=first.channels)
+    arrays = _concatenate(first, second)
     arrays["time"][len(first) :] += later
     begins = [np.atleast_1d(one.facts.get("episode_rows", [0])).astype(int) for one in (first, second)]
     facts = first.facts | {"episode_rows": [*begins[0].tolist(), *(len(first) + begins[1]).tolist()]}
     return Log(arrays, facts, channels=first.channels)
 
 
-def _joined(first: Log, second: Log) -> dict[str, Any]:
+def _concatenate(first: Log, second: Log) -> dict[str, Any]:
     return {name: np.concatenate([array, second.arrays[name]]) for name, array in first.arrays.items()}
 
 
