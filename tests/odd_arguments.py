@@ -120,8 +120,26 @@ def filtered(start: Any, gyro: Any, accelerometer: Any, positions: Any, speeds: 
 
 
 Q, V, T = np.zeros(3), np.zeros(3), np.zeros(12)
+
+
+@cache
+def motion() -> sf.Motion:
+    """Return a second of a Go2 that stands."""
+    return sf.Motion(robot(), np.tile(robot().nominal, (30, 1)), 30.0)
+
+
 CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "FrictionCone": (sf.FrictionCone, {"mu": 0.6}),
+    "certify_motion": (
+        lambda mu, sliding_mu, window: sf.certify_motion(
+            robot(), motion(), mu=mu, sliding_mu=sliding_mu, window=window
+        ),
+        {"mu": 0.6, "sliding_mu": (0.3, 0.6), "window": 0.1},
+    ),
+    "read_motion": (
+        lambda source, fps: sf.read_motion(source, robot(), fps=fps, order="depth", quaternion="xyzw"),
+        {"source": np.tile(robot_of("go2").nominal, (30, 1)), "fps": 30.0},
+    ),
     "FrictionCone.contains": (CONE.contains, {"x": [1.0, 0.0, 9.0]}),
     "FrictionCone.margin": (CONE.margin, {"x": [1.0, 0.0, 9.0]}),
     "FrictionCone.project": (CONE.project, {"x": [1.0, 0.0, 9.0]}),

@@ -18,12 +18,13 @@ ELSEWHERE = {
     **dict.fromkeys(
         ("read_log", "read_problem", "read_stance", "read_sequence", "read_sweep", "read_tosses",
          "load_robot", "write_problem", "write_sequence", "export_sequence", "sequence_from_log", "run_sweep",
-         "named_gait", "robot_names", "solver_names", "register"),
+         "read_motions", "named_gait", "robot_names", "solver_names", "register"),
         "takes names, files and folders, no arrays",
     ),
     **dict.fromkeys(
         ("audit_log", "assert_lawful", "summarise_walk", "seeded_faults", "identify", "replay_log", "picture",
-         "plan", "trajectory_gradient", "run", "record", "contacts_from_mujoco"),
+         "plan", "trajectory_gradient", "run", "record", "contacts_from_mujoco", "MujocoStepper",
+         "exact_contact", "Motion"),
         "takes logs, robots, worlds and models: see test_wrong_api",
     ),
     **dict.fromkeys(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from importlib import import_module
 from pathlib import Path
 from pkgutil import resolve_name
@@ -22,6 +22,14 @@ from surefoot.records.audit.report import AuditReport
 from surefoot.records.identification.toss_errors import TossErrors
 from surefoot.records.identification.toss_fit import TossFit
 from surefoot.worlds.sweep import SweepResult, sweep_from_dict
+
+
+@pytest.fixture(autouse=True)
+def no_figure_stays() -> Iterator[None]:
+    """Close what pyplot keeps, where another test has loaded it."""
+    yield
+    if "matplotlib.pyplot" in sys.modules:
+        sys.modules["matplotlib.pyplot"].close("all")
 
 
 def fit() -> TossFit:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.base.arrays import FloatArray, finite_array, of_kind, positive_number, real_number
+from surefoot.base.arrays import FloatArray, finite_array, of_kind, positive_number
 from surefoot.base.errors import ProblemError
 from surefoot.mechanics import Robot, Terrain
 from surefoot.records.certificates.causes import find_causes
@@ -74,8 +74,7 @@ def certify_motion(
     slides = _range(sliding_mu)
     given = None if window is None else positive_number("window", window, "s")
     checked = _check_motion(robot, motion)
-    friction: FloatArray | float = np.asarray(mu, dtype=np.float64)
-    points = touching_points(robot, friction if np.ndim(mu) else real_number("mu", float(friction), low=0.0))
+    points = touching_points(robot, mu)
     data = frame_data(robot, checked, points, slides, terrain, given, chosen)
     answer = data.solve(data.frames)
     noise = chosen.sigmas * data.noise.wrench

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, IntArray, per_contact
 from surefoot.base.errors import ProblemError
@@ -58,7 +59,7 @@ def _solids(robot: Robot) -> tuple[Solid, ...]:
     return _KNOWN[robot]
 
 
-def touching_points(robot: Robot, mu: float | FloatArray) -> TouchingPoints:
+def touching_points(robot: Robot, mu: ArrayLike) -> TouchingPoints:
     """Return the points of a robot that may touch the ground.
 
     Soles and point feet by their own spheres, hands, knees and trunk by the knots of the shapes of
@@ -77,10 +78,10 @@ def touching_points(robot: Robot, mu: float | FloatArray) -> TouchingPoints:
         For friction that is negative, not finite, or not one a foot.
     """
     feet = robot.contact_points
-    friction = per_contact("mu", mu, len(robot.feet))
+    friction = per_contact("mu", mu, max(len(robot.feet), 1))
     if not np.isfinite(friction).all():
         raise ProblemError("mu must be finite")
-    largest = float(np.max(mu)) if np.size(mu) else 0.0
+    largest = float(friction.max(initial=0.0))
     links = [name.rsplit(":", 1)[0] for name in feet.names]
     joints, places, radii = [feet.joints], [feet.places], [feet.radii]
     for solid in _solids(robot):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -146,7 +147,10 @@ def _contents(source: Source) -> Iterator[tuple[str, Any]]:
     elif isinstance(source, Mapping):
         yield from motions_in(source, "motion")
     else:
-        array = np.asarray(source) if not isinstance(source, bytes) else None
+        array = None
+        if not isinstance(source, bytes):
+            with suppress(Exception):  # whatever a foreign object raises that is made an array
+                array = np.asarray(source)
         if array is None or array.dtype.kind not in "biuf" or array.ndim < 2:
             raise ProblemError(f"a motion is a file, a log, a mapping of arrays or a (frames, nq) array, got "
                                f"{type(source).__name__}")  # fmt: skip

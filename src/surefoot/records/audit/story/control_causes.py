@@ -132,7 +132,9 @@ def delay(s: Signals) -> Iterator[Sign]:
     best = min(range(max(near - step + 1, 0), min(near + step, longest + 1)), key=left)
     without = left(0)
     # a delay is one time: a little before and after it less is explained
-    beside = min(left(lag) for lag in (best - 2 * step, best + 2 * step) if 0 <= lag <= longest)
+    beside = min(
+        (left(lag) for lag in (best - 2 * step, best + 2 * step) if 0 <= lag <= longest), default=0.0
+    )
     sharp = left(best) < beside - 0.5 * s.limits.lag_better
     if sharp and best * s.dt >= s.limits.lag and left(best) < without - s.limits.lag_better:
         words = f"torques answer the state of {1e3 * best * s.dt:.0f} ms ago"

@@ -133,7 +133,7 @@ class MujocoStepper:
     >>> data.qvel[0] = 3.0
     >>> for _ in range(1000):
     ...     stepper.step(data)
-    >>> data.qpos[:3].round(4).tolist(), stepper.certificate.status.value
+    >>> (data.qpos[:3].round(4) + 0.0).tolist(), stepper.certificate.status.value
     ([0.4557, 0.0, 0.1], 'solved')
     """
 
