@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -90,7 +91,9 @@ def _print(console: Console, found: list[Outcome]) -> None:
         _print_one(console, judged[0].facts)
     elif judged:
         ranked = sorted(judged, key=lambda one: _score(one.facts))
-        console.print(table(HEADER, [_row(one) for one in ranked], left=HEADER[:1] + HEADER[5:]))
+        common = os.path.commonpath([Path(one.file).absolute().parent for one in ranked])
+        rows = [_row(one, os.path.relpath(one.file, common)) for one in ranked]
+        console.print(table(HEADER, rows, left=HEADER[:1] + HEADER[5:]))
         count = sum(one.facts["verdict"] == "possible" for one in judged)
         kept = sum(one.kept for one in judged)
         line = f"{count} of {len(judged)} motions are possible"
@@ -115,12 +118,13 @@ def _print_one(console: Console, facts: dict[str, Any]) -> None:
     say_verdict(console, facts["sentence"], facts["verdict"] == "possible")
 
 
-def _row(one: Outcome) -> list[str]:
+def _row(one: Outcome, file: str) -> list[str]:
+    """Return the row of a motion, its file as seen from the folder that all have in common."""
     facts = one.facts
     worst = max(facts["segments"], key=lambda s: s["worst"] * (s["end"] - s["start"] + 1e-3), default=None)
     share, score = facts["impossible_share"], facts["score"]
     return [
-        one.file if Path(one.file).stem == facts["name"] else f"{one.file}: {facts['name']}",
+        file if Path(file).stem == facts["name"] else f"{file}: {facts['name']}",
         str(facts["verdict"]),
         "" if score is None else f"{score:.3f}",
         "" if share is None else f"{100.0 * share:.1f} %",
