@@ -64,11 +64,13 @@ class RobotState(NamedTuple):
         ProblemError
             For what is no array of its shape.
         """
-        feet, joints, model = len(robot.feet), (robot.joints,), robot.model
-        return self._replace(
-            q=sized_array("q", self.q, (model.nq,)),
-            v=sized_array("v", self.v, (model.nv,)),
-            contact=None if self.contact is None else sized_flags("contact", self.contact, feet),
-            torques=None if self.torques is None else sized_array("torques", self.torques, joints),
-            forces=None if self.forces is None else sized_array("forces", self.forces, (feet, 3)),
-        )
+        of_q, of_v, of_joints, of_forces = robot.array_shapes
+        q, v = sized_array("q", self.q, of_q), sized_array("v", self.v, of_v)
+        contact, torques, forces = self.contact, self.torques, self.forces
+        contact = None if contact is None else sized_flags("contact", contact, of_forces[0])
+        torques = None if torques is None else sized_array("torques", torques, of_joints)
+        forces = None if forces is None else sized_array("forces", forces, of_forces)
+        same = q is self.q and v is self.v and contact is self.contact and torques is self.torques
+        if same and forces is self.forces:  # as nearly always: a copy would take two microseconds
+            return self
+        return self._replace(q=q, v=v, contact=contact, torques=torques, forces=forces)

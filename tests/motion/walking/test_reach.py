@@ -62,7 +62,7 @@ def reached(root: Any) -> dict[str, set[str]]:
 
 def test_how_much_is_reached_from_a_walking_controller(capsys: pytest.CaptureFixture[str]) -> None:
     robot = load_robot("go2")
-    for knowledge, classes, attributes in (("exact", 18, 150), ("blind", 25, 189), ("map", 27, 209)):
+    for knowledge, classes, attributes in (("exact", 18, 151), ("blind", 25, 189), ("map", 27, 209)):
         terrain = controller_ground(knowledge, FlatTerrain())
         walker = WalkingController(robot, VelocityCommand.constant(0.5), terrain=terrain)
         walker.step(RobotState(robot.nominal, np.zeros(robot.model.nv)))

@@ -126,6 +126,11 @@ class Robot(Drawn, ShapesOfFile):
         names = list(self.model.names)[1:]
         return tuple(names[1:] if self.floating else names)
 
+    @cached_property
+    def array_shapes(self) -> tuple[tuple[int], tuple[int], tuple[int], tuple[int, int]]:
+        """Shapes of its arrays: q, v, joint torques, forces on its feet."""
+        return (int(self.model.nq),), (int(self.model.nv),), (self.joints,), (len(self.feet), 3)
+
     @property
     def foot_names(self) -> tuple[str, ...]:
         """Names of the feet, in order."""
