@@ -20,12 +20,13 @@ import numpy as np
 
 from benchmarks.problems.plain_logs import KICK, PlainLog, plain_logs
 from surefoot.base.arrays import FloatArray
+from surefoot.base.numerics.windows import sliding_mean, sliding_sum
 from surefoot.base.spatial import GRAVITY
 from surefoot.records.audit import audit_log
 from surefoot.records.audit.checks import CHECKS
 from surefoot.records.audit.limits import LIMITS
 from surefoot.records.audit.log_context import Setting, setting_of
-from surefoot.records.audit.rows import Rows, lacking, sliding_mean, sliding_sum
+from surefoot.records.audit.rows import Rows, lacking
 from surefoot.records.log import Log
 
 Numbers = np.random.Generator

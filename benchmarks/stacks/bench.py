@@ -16,8 +16,8 @@ from benchmarks.stacks.setting import HARD, Setting
 from benchmarks.stacks.stack import Stack
 from benchmarks.stacks.tasks import Task
 from benchmarks.stacks.trial import carry_out
-from surefoot.app.cli.output import plain
 from surefoot.base.errors import ProblemError
+from surefoot.base.text_files import plain_value
 
 TRIALS = "trials.jsonl"
 """File of a bench's folder: what was measured with what in its first line, then a line for each trial."""
@@ -75,7 +75,7 @@ class Kept:
         if self._path is None:
             return
         if not self._path.exists():
-            self._path.write_text(json.dumps(plain(header)) + "\n", encoding="utf-8")
+            self._path.write_text(json.dumps(plain_value(header)) + "\n", encoding="utf-8")
             return
         for trial in read_trials(self._path, header):
             self.trials[trial.stack, trial.task, trial.seed] = trial
@@ -88,7 +88,7 @@ class Kept:
         self.trials[trial.stack, trial.task, trial.seed] = trial
         if self._path is not None:
             with self._path.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(plain(trial.as_dict())) + "\n")
+                file.write(json.dumps(plain_value(trial.as_dict())) + "\n")
 
 
 def read_trials(path: Path, header: dict[str, Any]) -> Iterator[Trial]:
@@ -104,7 +104,7 @@ def read_trials(path: Path, header: dict[str, Any]) -> Iterator[Trial]:
         found = json.loads(lines[0])
     except (IndexError, json.JSONDecodeError) as error:
         raise ProblemError(f"{path} is no file of trials: {error}") from error
-    expected = plain(header)
+    expected = plain_value(header)
     if found != expected:
         other = next(k for k in sorted({*found, *expected}) if found.get(k) != expected.get(k))
         raise ProblemError(

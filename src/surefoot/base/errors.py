@@ -157,8 +157,8 @@ def unknown_name(kind: str, name: object, valid: Iterable[str]) -> str:
     """
     known = sorted({str(one) for one in valid if one != ""})
     names = ", ".join(known) or "none, nothing has a name"
-    hint = near_name(name, known).strip(" ()")
-    return f"unknown {kind} {shown(name)}; valid names: {names}" + (f"; {hint}" if hint else "")
+    near = _nearest(name, known)
+    return f"unknown {kind} {shown(name)}; valid names: {names}" + (f"; did you mean {near}?" if near else "")
 
 
 def near_name(name: object, valid: Iterable[str]) -> str:
@@ -167,12 +167,18 @@ def near_name(name: object, valid: Iterable[str]) -> str:
     >>> near_name("trott", ["trot", "walk"])
     ' (did you mean trot?)'
     """
+    near = _nearest(name, valid)
+    return f" (did you mean {near}?)" if near else ""
+
+
+def _nearest(name: object, valid: Iterable[str]) -> str:
+    """Return the known name that may be meant, whatever its capitals; empty for none."""
     import difflib
 
     known = {str(one).lower(): str(one) for one in valid}
     asked = name.lower()[:80] if isinstance(name, str) else ""
     found = difflib.get_close_matches(asked, known, n=1)
-    return f" (did you mean {known[found[0]]}?)" if found else ""
+    return known[found[0]] if found else ""
 
 
 def shown(value: object) -> str:

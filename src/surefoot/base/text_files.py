@@ -157,6 +157,19 @@ def table_of(
     return value
 
 
+def plain_value(value: Any) -> Any:
+    """Return a value as JSON can hold it: arrays as lists, NaN and infinity as null."""
+    if isinstance(value, dict):
+        return {str(k): plain_value(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain_value(v) for v in value]
+    if hasattr(value, "tolist"):
+        return plain_value(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
 def finite_in_text(name: str, text: str) -> float:
     """Return the finite number that a text holds, or raise a ProblemError that names it."""
     try:

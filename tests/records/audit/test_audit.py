@@ -11,11 +11,12 @@ import pytest
 import surefoot as sf
 from benchmarks.problems.logged_runs import CleanRun
 from surefoot.base.errors import ProblemError
+from surefoot.base.numerics.windows import sliding_mean
 from surefoot.base.spatial import GRAVITY
 from surefoot.records.audit.intervals import MOST
 from surefoot.records.audit.log_context import setting_of
 from surefoot.records.audit.report import LawBroken
-from surefoot.records.audit.rows import PIECE, Rows, sliding_mean
+from surefoot.records.audit.rows import PIECE, Rows
 from surefoot.records.log import Log
 from tests.records.audit.logs import PUSHED, RUNS, STAND, TROT, changed, log_of
 

@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from surefoot.base.errors import SurefootError, one_line, writing
+from surefoot.base.errors import ProblemError, SurefootError, one_line, writing
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,9 @@ def certify_files(
     if folder is not None:
         with writing(folder):
             folder.mkdir(parents=True, exist_ok=True)
-    workers = min(len(files), jobs if jobs is not None else _cores())
+    from surefoot.worlds.sweep.pools import cores
+
+    workers = min(len(files), jobs if jobs is not None else cores())
     out: dict[int, list[Outcome]] = {}
     if workers <= 1:
         for k, path in enumerate(files):
@@ -72,12 +74,6 @@ def certify_files(
     return [one for k in range(len(files)) for one in out[k]]
 
 
-def _cores() -> int:
-    from surefoot.worlds.sweep.pools import cores
-
-    return cores()
-
-
 def certify_file(path: Path, question: Question, folder: Path | None) -> list[Outcome]:
     """Return the outcomes of one file, one for each motion in it; one with the error where it is wrong."""
     try:
@@ -93,8 +89,6 @@ def certify_file(path: Path, question: Question, folder: Path | None) -> list[Ou
 
 def _place(path: Path, question: Question, folder: Path) -> Path:
     """Return where the report of a file stands, by its contents and what is asked."""
-    from surefoot.base.errors import ProblemError
-
     try:
         contents = path.read_bytes()
     except OSError as error:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import json
-import math
 import os
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 from surefoot.base.errors import ProblemError
+from surefoot.base.text_files import plain_value
 
 _made: list[Path] = []
 """Folders of the run."""
@@ -66,19 +66,6 @@ def check_out(parent: Path | None) -> None:
         raise ProblemError(f"cannot write to --out {parent}: {nearest} is not writable")
 
 
-def plain(value: Any) -> Any:
-    """Return a value as JSON can hold it: arrays as lists, NaN and infinity as null."""
-    if isinstance(value, dict):
-        return {str(k): plain(v) for k, v in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [plain(v) for v in value]
-    if hasattr(value, "tolist"):
-        return plain(value.tolist())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
-
-
 def to_json(value: Any) -> str:
     """Return indented, strictly valid JSON."""
-    return json.dumps(plain(value), indent=2, allow_nan=False)
+    return json.dumps(plain_value(value), indent=2, allow_nan=False)

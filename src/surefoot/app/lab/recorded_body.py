@@ -11,7 +11,7 @@ from surefoot.app.lab.body import SHADES
 from surefoot.app.lab.drawing import Shape
 from surefoot.app.lab.geometry import join_surfaces, pose_of
 from surefoot.base.arrays import FloatArray, IntArray
-from surefoot.base.spatial import rotation_from_quaternion
+from surefoot.base.spatial import quaternion_about, quaternion_xyzw, rotation_from_quaternion
 from surefoot.records import Log
 
 NEEDED = (
@@ -62,9 +62,9 @@ class RecordedBody:
         at = 7 if self._free else 0
         for body, parent in enumerate(self._parents):
             if body == 0 and self._free:
-                out.append((_turn(q[3:7]), np.array(q[:3], dtype=np.float64)))
+                out.append((rotation_from_quaternion(q[3:7]), np.array(q[:3], dtype=np.float64)))
                 continue
-            own = _turn(_xyzw(self._fact["model_orientations"][body]))
+            own = rotation_from_quaternion(quaternion_xyzw(self._fact["model_orientations"][body]))
             place = np.asarray(self._fact["model_positions"][body], dtype=np.float64)
             if body > 0:
                 place, own = out[parent][1] + out[parent][0] @ place, out[parent][0] @ own
@@ -87,7 +87,7 @@ class RecordedBody:
             size = np.asarray(fact["model_geom_sizes"][k], dtype=np.float64)
             made = _surface(int(fact["model_geom_types"][k]), size)
             if made is not None:
-                turn = _turn(_xyzw(fact["model_geom_orientations"][k]))
+                turn = rotation_from_quaternion(quaternion_xyzw(fact["model_geom_orientations"][k]))
                 moved = np.asarray(made.vertices) @ turn.T + np.asarray(fact["model_geom_positions"][k])
                 parts.setdefault(body, []).append((moved, np.asarray(made.faces)))
         return {body: join_surfaces(pieces) for body, pieces in parts.items()}
@@ -123,16 +123,6 @@ def _surface(kind: int, size: FloatArray) -> Any:
     return creation.box(extents=2.0 * size) if kind in (BOX, MESH) and (size > 0.0).all() else None
 
 
-def _turn(quaternion: Any) -> FloatArray:
-    """Return the matrix of a quaternion x, y, z, w."""
-    return np.asarray(rotation_from_quaternion(np.asarray(quaternion, dtype=np.float64)[None])[0])
-
-
-def _xyzw(quaternion: Any) -> FloatArray:
-    return np.roll(np.asarray(quaternion, dtype=np.float64), -1)
-
-
 def _about(axis: FloatArray, angle: float) -> FloatArray:
-    """Return the rotation by an angle [rad] about a (3,) axis."""
-    unit = axis / max(float(np.linalg.norm(axis)), 1e-12)
-    return _turn([*(np.sin(0.5 * angle) * unit), np.cos(0.5 * angle)])
+    """Return the rotation by an angle [rad] about a (3,) axis of any length."""
+    return rotation_from_quaternion(quaternion_about(axis / max(float(np.linalg.norm(axis)), 1e-12), angle))

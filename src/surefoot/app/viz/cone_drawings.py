@@ -34,24 +34,25 @@ def draw_friction_cone(cone: FrictionCone, axes: Any, facets: int | None = None,
     """
     mu = min(cone.mu, _MOST_MU)
     pyramid = None if facets is None else FrictionPyramid(mu, facets, fit)
-    _draw_circle(axes, mu, "exact")
+    draw_circle(axes, mu, "exact")
     if pyramid is not None:
-        _draw_sides(axes, pyramid)
+        draw_sides(axes, pyramid)
     span = max(mu, 0.05) if pyramid is None else float(np.abs(pyramid.rays[:, :2]).max(initial=0.05))
     _frame_cone(axes, span, f"friction cone, μ = {cone.mu:g}")
 
 
 def draw_friction_pyramid(pyramid: FrictionPyramid, axes: Any) -> None:
     """Draw a pyramid up to a normal force of one, beside the cone that it stands for."""
-    _draw_circle(axes, pyramid.mu, "exact")
-    _draw_sides(axes, pyramid)
+    draw_circle(axes, pyramid.mu, "exact")
+    draw_sides(axes, pyramid)
     error = 100.0 * pyramid.fit_error.radial
     sign = "−" if pyramid.fit == "inner" else "+"
     title = f"μ = {pyramid.mu:g}, {pyramid.facets} sides, {pyramid.fit}: {sign}{error:.1f} %"
     _frame_cone(axes, float(np.abs(pyramid.rays[:, :2]).max(initial=0.05)), title)
 
 
-def _draw_circle(axes: Any, mu: float, label: str) -> None:
+def draw_circle(axes: Any, mu: float, label: str = "") -> None:
+    """Draw a friction cone up to a normal force of one: as a surface, or its section on plane axes."""
     if axes.name != "3d":
         angle = np.linspace(0.0, 2.0 * np.pi, 240)
         axes.fill(mu * np.cos(angle), mu * np.sin(angle), color=EXACT, alpha=0.12, lw=0)
@@ -61,10 +62,12 @@ def _draw_circle(axes: Any, mu: float, label: str) -> None:
     # strides that leave a rest make a last face with fewer corners, which Matplotlib fills up with anything
     sheet = mu * height * np.cos(angle), mu * height * np.sin(angle), height
     axes.plot_surface(*sheet, color=EXACT, alpha=0.18, rstride=1, cstride=1)
-    axes.plot(*(part[1] for part in sheet), color=EXACT, lw=1.0, label=label)
+    if label:
+        axes.plot(*(part[1] for part in sheet), color=EXACT, lw=1.0, label=label)
 
 
-def _draw_sides(axes: Any, pyramid: FrictionPyramid) -> None:
+def draw_sides(axes: Any, pyramid: FrictionPyramid) -> None:
+    """Draw a pyramid up to a normal force of one: its edges, or its section on plane axes."""
     colour = INNER if pyramid.fit == "inner" else OUTER
     rim = ring(pyramid.rays)
     if axes.name != "3d":

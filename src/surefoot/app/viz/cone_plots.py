@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.app.viz.shapes import ring
-from surefoot.app.viz.style import BAD, FOOT_COLOURS, INK, MUTED, blank_figure, house_style, save
+from surefoot.app.viz.cone_drawings import draw_circle, draw_sides
+from surefoot.app.viz.style import INK, MUTED, blank_figure, house_style, save
 from surefoot.contact import FrictionCone, FrictionPyramid
 
 
@@ -32,11 +32,9 @@ def draw_pyramids(mu: float, facets: Sequence[int], path: Path) -> Path:
 
 
 def _section(axis: Any, mu: float, inner: FrictionPyramid, outer: FrictionPyramid, first: bool) -> None:
-    angle = np.linspace(0.0, 2.0 * np.pi, 240)
-    axis.fill(mu * np.cos(angle), mu * np.sin(angle), color=FOOT_COLOURS[0], alpha=0.12, lw=0)
-    axis.plot(mu * np.cos(angle), mu * np.sin(angle), color=FOOT_COLOURS[0], label="exact")
-    for pyramid, colour, name in ((inner, FOOT_COLOURS[2], "inner"), (outer, BAD, "outer")):
-        axis.plot(*ring(pyramid.rays)[:, :2].T, color=colour, label=name)
+    draw_circle(axis, mu, "exact")
+    for pyramid in (inner, outer):
+        draw_sides(axis, pyramid)
     axis.set_aspect("equal")
     span = 1.05 * float(np.abs(outer.rays[:, :2]).max(initial=1e-3))
     ticks = [-mu, 0.0, mu]
@@ -52,14 +50,9 @@ def _section(axis: Any, mu: float, inner: FrictionPyramid, outer: FrictionPyrami
 
 
 def _solid(axis: Any, mu: float, inner: FrictionPyramid, outer: FrictionPyramid) -> None:
-    angle, height = np.meshgrid(np.linspace(0.0, 2.0 * np.pi, 60), np.linspace(0.0, 1.0, 2))
-    around, across = mu * height * np.cos(angle), mu * height * np.sin(angle)
-    # strides that leave a rest make a last face with fewer corners, which Matplotlib fills up with anything
-    axis.plot_surface(around, across, height, color=FOOT_COLOURS[0], alpha=0.18, rstride=1, cstride=1)
-    for pyramid, colour in ((inner, FOOT_COLOURS[2]), (outer, BAD)):
-        axis.plot(*ring(pyramid.rays).T, color=colour, lw=1.0)
-        for ray in pyramid.rays:
-            axis.plot(*np.stack([np.zeros(3), ray], axis=1), color=colour, lw=0.6)
+    draw_circle(axis, mu)
+    for pyramid in (inner, outer):
+        draw_sides(axis, pyramid)
     span = float(np.abs(outer.rays[:, :2]).max(initial=1e-3))
     axis.set(xlim=(-span, span), ylim=(-span, span), zlim=(0, 1))
     axis.set(xticks=[-mu, 0.0, mu], yticks=[-mu, 0.0, mu], zticks=[0.0, 0.5, 1.0])

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.app.viz.style import BAD, FOOT_COLOURS, FORCE, INK, MUTED, friction_colour
+from surefoot.app.viz.style import BAD, FOOT_COLOURS, FORCE, MUTED, draw_friction_circle, friction_colour
 from surefoot.base.arrays import per_contact
 from surefoot.base.errors import ProblemError
 from surefoot.contact.batch.solving import BatchSolution
@@ -57,9 +57,7 @@ def draw_forces(answer: Certified, axes: Any, mu: ArrayLike | None = None) -> No
     mu = per_contact("mu", mu, len(forces))
     if forces.ndim != 2 or forces.shape[1] != 3:
         raise ProblemError("a picture shows answers of contacts with three rows each")
-    angle = np.linspace(0.0, 2.0 * np.pi, 200)
-    axes.fill(np.cos(angle), np.sin(angle), color=FOOT_COLOURS[0], alpha=0.10, lw=0)
-    axes.plot(np.cos(angle), np.sin(angle), color=INK, lw=0.9)
+    draw_friction_circle(axes, FOOT_COLOURS[0])
     largest = max(float(forces[:, 2].max(initial=0.0)), _TINY)
     on = forces[:, 2] > 1e-9 * largest
     limit = np.where(np.isfinite(mu), mu, 1.0) * forces[:, 2]
@@ -72,10 +70,9 @@ def draw_forces(answer: Certified, axes: Any, mu: ArrayLike | None = None) -> No
     if len(forces) <= _NAMED:
         for k in np.flatnonzero(on):
             axes.annotate(str(k), used[k], xytext=(5, 5), textcoords="offset points", fontsize=8)
-    span, ticks = (-1.2, 1.2), [-1, 0, 1]
     slides = int(np.count_nonzero(share[on] > 0.999))
     title = f"{answer.status.name}: {int(on.sum())} of {len(forces)} press, {slides} at the border"
-    axes.set(xlim=span, ylim=span, xticks=ticks, yticks=ticks, aspect="equal", title=title)
+    axes.set(xlim=(-1.2, 1.2), ylim=(-1.2, 1.2), title=title)
     axes.set(xlabel=r"$f_x\,/\,\mu f_z$", ylabel=r"$f_y\,/\,\mu f_z$")
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.app.viz.style import FOOT_COLOURS, INK
+from surefoot.app.viz.style import INK, draw_foot_bars
 from surefoot.base.errors import ProblemError
 from surefoot.base.numerics.phases import runs_of
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
@@ -40,12 +40,8 @@ def draw_gait(
     times = np.linspace(0.0, end, _SAMPLES, endpoint=False)
     on = gait.contacts(times)
     step = end / _SAMPLES
-    for k in range(gait.feet):
-        row = gait.feet - 1 - k
-        bars = [(a * step, (b - a) * step) for a, b in runs_of(on[:, k])]
-        axes.broken_barh(bars, (row - 0.33, 0.66), color=FOOT_COLOURS[k % 8])
+    bars = {name: [(a * step, (b - a) * step) for a, b in runs_of(on[:, k])] for k, name in enumerate(names)}
+    draw_foot_bars(axes, bars)
     for cycle in range(1, int(np.ceil(end / gait.period)) if gait.period > 0.0 else 1):
         axes.axvline(cycle * gait.period, color=INK, lw=0.8, ls=":")
-    axes.set_yticks(range(gait.feet), names[::-1])
-    axes.set(ylim=(-0.7, gait.feet - 0.3), xlim=(0.0, end), xlabel="time [s]", title=gait.name)
-    axes.grid(axis="y", visible=False)
+    axes.set(xlim=(0.0, end), xlabel="time [s]", title=gait.name)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from surefoot.app.viz.plots import draw_cone_use, draw_normal_forces, draw_torques
-from surefoot.app.viz.style import FOOT_COLOURS, new_axis, save
+from surefoot.app.viz.style import draw_foot_bars, new_axis, save
 
 if TYPE_CHECKING:
     from surefoot.motion.planning.plan import Plan
@@ -23,13 +23,9 @@ def draw_phases(plan: Plan, axis: Any) -> None:
     """Draw when each foot is on the ground, as bars on given axes."""
     names = plan.facts["feet"]
     axis.set(title="Contacts as planned", xlabel="time [s]")
-    for k, name in enumerate(names):
-        row = len(names) - 1 - k
-        spans = [(p.start, p.end - p.start) for p in plan.contacts if p.foot == name]
-        axis.broken_barh(spans, (row - 0.33, 0.66), color=FOOT_COLOURS[k % 8])
-    axis.set_yticks(range(len(names)), names[::-1])
-    axis.set(ylim=(-0.7, len(names) - 0.3), xlim=(0.0, plan["time"][-1] + float(plan.facts["dt"])))
-    axis.grid(axis="y", visible=False)
+    bars = {name: [(p.start, p.end - p.start) for p in plan.contacts if p.foot == name] for name in names}
+    draw_foot_bars(axis, bars)
+    axis.set(xlim=(0.0, plan["time"][-1] + float(plan.facts["dt"])))
 
 
 def draw_plan(plan: Plan, folder: Path) -> list[Path]:

@@ -14,6 +14,7 @@ from surefoot.app.viz.style import (
     MUTED,
     at_least,
     draw_columns,
+    draw_friction_circle,
     most_of,
     new_axis,
     new_grid,
@@ -58,21 +59,18 @@ def draw_cone_use(log: Log, path: Path) -> Path:
     """Draw every force in its cone's cross-section, scaled so that the cone is the unit circle."""
     names = log.facts["feet"]
     figure, axes = new_grid(len(names), 4, (2.4, 2.6), (0.0, 0.3), sharex=True, sharey=True)
-    angle = np.linspace(0.0, 2.0 * np.pi, 200)
     threshold = LIMITS.laws.loaded * log.facts["mass"] * GRAVITY
     forces = foot_forces(log)
     for k, axis in enumerate(axes):
         f = forces[:, k]
         loaded = f[:, 2] > threshold
         scaled = f[loaded, :2] / np.maximum(log["mu"][loaded] * f[loaded, 2], 1e-12)[:, None]
-        axis.fill(np.cos(angle), np.sin(angle), color=FOOT_COLOURS[k % 8], alpha=0.10, lw=0)
-        axis.plot(np.cos(angle), np.sin(angle), color=INK, lw=0.9)
+        draw_friction_circle(axis, FOOT_COLOURS[k % 8])
         axis.scatter(*scaled[stride_of(len(scaled))].T, s=3, color=FOOT_COLOURS[k % 8], alpha=0.5, lw=0)
         use = float(np.linalg.norm(scaled, axis=1).max(initial=0.0))
         title = f"{names[k]}: at most {100 * use:.0f} %"
         axis.set_title(title, color=BAD if use > 1.001 else INK, fontsize=9)
-        ticks, span = [-1, 0, 1], (-1.15, 1.15)
-        axis.set(aspect="equal", xlim=span, ylim=span, xticks=ticks, yticks=ticks)
+        axis.set(xlim=(-1.15, 1.15), ylim=(-1.15, 1.15))
     figure.supxlabel(r"$f_x\,/\,\mu f_z$", fontsize=9)
     figure.supylabel(r"$f_y\,/\,\mu f_z$", fontsize=9)
     return save(figure, path)

@@ -98,19 +98,47 @@ def new_grid(
 
     `panel` is the size of each, `margin` what is around all of them [inches].
     """
+    with house_style():
+        figure = blank_figure()
+        return figure, fill_grid(figure, count, columns, panel, margin, **subplots)
+
+
+def fill_grid(
+    figure: Any, count: int, columns: int, panel: tuple[float, float], margin: tuple[float, float],
+    **subplots: Any,
+) -> list[Any]:  # fmt: skip
+    """Give an empty figure the panels of `new_grid` and the size that they take; return their axes."""
     columns = min(columns, count)
     rows = -(-count // columns)
-    size = (panel[0] * columns + margin[0], panel[1] * rows + margin[1])
-    figure, axes = new_figure(rows, columns, size, **subplots)
+    figure.set_size_inches(panel[0] * columns + margin[0], panel[1] * rows + margin[1])
+    axes = figure.subplots(rows, columns, squeeze=False, **subplots)
     for axis in axes.flat[count:]:
         axis.set_axis_off()
-    return figure, list(axes.flat[:count])
+    return list(axes.flat[:count])
 
 
 def draw_columns(axis: Any, x: Any, columns: Any, names: Iterable[str], **line: Any) -> None:
     """Draw the columns of a (T, n) array over x, each in its own colour and with its name."""
     for k, name in enumerate(names):
         axis.plot(x, columns[:, k], **({"color": FOOT_COLOURS[k % 8], "label": name} | line))
+
+
+def draw_foot_bars(axis: Any, bars: Mapping[str, Sequence[tuple[float, float]]]) -> None:
+    """Draw when each foot is on the ground, the first above: name -> (begin, length) of its bars."""
+    for k, (name, spans) in enumerate(bars.items()):
+        row = len(bars) - 1 - k
+        axis.broken_barh(spans, (row - 0.33, 0.66), color=FOOT_COLOURS[k % 8], label=name)
+    axis.set_yticks(range(len(bars)), [*bars][::-1])
+    axis.set(ylim=(-0.7, len(bars) - 0.3))
+    axis.grid(axis="y", visible=False)
+
+
+def draw_friction_circle(axis: Any, colour: str) -> None:
+    """Draw the border of a cone in shares of the friction: the unit circle, and the range around it."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 200)
+    axis.fill(np.cos(angle), np.sin(angle), color=colour, alpha=0.10, lw=0)
+    axis.plot(np.cos(angle), np.sin(angle), color=INK, lw=0.9)
+    axis.set(aspect="equal", xticks=[-1, 0, 1], yticks=[-1, 0, 1])
 
 
 def draw_panels(

@@ -15,6 +15,7 @@ from surefoot.app.viz.style import (
     INK,
     MUTED,
     blank_figure,
+    fill_grid,
     house_style,
     new_grid,
     save,
@@ -82,13 +83,8 @@ def draw_survival(result: SweepResult, figure: Any) -> None:
 
 def _fill_margins(config: SweepConfig, found: list[Margin], figure: Any) -> None:
     shown = sorted(found, key=lambda m: -m.effect())[:MOST_MARGINS]
-    columns = min(COLUMNS, len(shown))
-    rows = -(-len(shown) // columns)
-    figure.set_size_inches(3.4 * columns + 0.6, 2.7 * rows + 0.5)
-    axes = figure.subplots(rows, columns, squeeze=False).ravel()
-    for axis in axes[len(shown) :]:
-        axis.set_axis_off()
-    for axis, margin in zip(axes, shown, strict=False):
+    axes = fill_grid(figure, len(shown), COLUMNS, (3.4, 2.7), (0.6, 0.5))
+    for axis, margin in zip(axes, shown, strict=True):
         _draw_margin(axis, config, margin)
     figure.suptitle(f"{config.name}: share that {config.experiment.goal}, with 95 % intervals", color=INK)
 

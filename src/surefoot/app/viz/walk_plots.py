@@ -15,7 +15,17 @@ from surefoot.app.viz.plots import (
     spans,
     stride_of,
 )
-from surefoot.app.viz.style import FOOT_COLOURS, GROUND, INK, MUTED, most_of, new_axis, new_panels, save
+from surefoot.app.viz.style import (
+    FOOT_COLOURS,
+    GROUND,
+    INK,
+    MUTED,
+    draw_foot_bars,
+    most_of,
+    new_axis,
+    new_panels,
+    save,
+)
 from surefoot.mechanics import read_terrain
 from surefoot.records import Log
 from surefoot.records.audit.motion import heading_velocity, touching
@@ -50,14 +60,12 @@ def draw_footfalls(log: Log, path: Path) -> Path:
     figure, axis = new_axis((8.0, 0.45 * len(names) + 1.2), title, xlabel="time [s]")
     recent = _end(log)
     time, down = recent["time"], touching(recent)
-    for k, name in enumerate(names):
+    draw_foot_bars(axis, {name: spans(time, down[:, k]) for k, name in enumerate(names)})
+    for k in range(len(names)):
         row = len(names) - 1 - k
-        axis.broken_barh(spans(time, down[:, k]), (row - 0.33, 0.66), color=FOOT_COLOURS[k % 8], label=name)
         for begin, length in spans(time, recent["planned"][:, k]) if plans else ():
             axis.plot([begin, begin + length], [row - 0.42] * 2, color=INK, lw=1.4, solid_capstyle="butt")
-    axis.set_yticks(range(len(names)), names[::-1])
-    axis.set(ylim=(-0.7, len(names) - 0.4), xlim=(time[0], time[-1]))
-    axis.grid(axis="y", visible=False)
+    axis.set(xlim=(time[0], time[-1]))
     return save(figure, path)
 
 

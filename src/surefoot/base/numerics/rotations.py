@@ -20,6 +20,20 @@ def rotation_of(q: FloatArray, out: FloatArray) -> None:
 
 
 @inline_kernel
+def rotation_about(axis: FloatArray, c: float, s: float, out: FloatArray) -> None:
+    """Fill out (3, 3) with the turn about a unit axis (3,) by the angle of cosine c, sine s (Rodrigues)."""
+    for j in range(3):
+        for k in range(3):
+            out[j, k] = (1.0 - c) * axis[j] * axis[k] + (c if j == k else 0.0)
+    out[0, 1] -= s * axis[2]
+    out[0, 2] += s * axis[1]
+    out[1, 0] += s * axis[2]
+    out[1, 2] -= s * axis[0]
+    out[2, 0] -= s * axis[1]
+    out[2, 1] += s * axis[0]
+
+
+@inline_kernel
 def turn_between(a: FloatArray, b: FloatArray, out: FloatArray) -> None:
     """Fill out (3,) with the rotation vector of R_aᵀ R_b, of length at most pi, from quaternions (4,)."""
     x = a[3] * b[0] - a[0] * b[3] - a[1] * b[2] + a[2] * b[1]

@@ -28,9 +28,8 @@ KIND, DIM, FIRST, PART = range(4)
 """Columns of the blocks' table of whole numbers: kind, number of rows, first row, connected part."""
 MU, LIMIT, WEIGHT, STIFF, STIFF_T, SCALE = range(6)
 """Columns of their table of numbers: friction [-], limit of dry friction [N s], velocity per impulse (the
-trace
-of the block of G) [1/kg], penalties of the first row and of the others [kg], speed that errors are measured
-over [m/s]."""
+trace of the block of G) [1/kg], penalties of the first row and of the others [kg], speed that errors are
+measured over [m/s]."""
 
 
 @inline_kernel

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from surefoot.records.audit.rows import Measured, Rows, on_body, over, sliding_mean
+from surefoot.base.numerics.windows import sliding_mean
+from surefoot.records.audit.rows import Measured, Rows, on_body, over
 from surefoot.records.audit.within_row import moved_moment
 
 

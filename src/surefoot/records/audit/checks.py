@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
+from surefoot.base.numerics.windows import sliding_mean, sliding_sum
 from surefoot.records.audit.balance import balance
 from surefoot.records.audit.cones import friction_needed, grip
 from surefoot.records.audit.consistency import (
@@ -27,7 +28,7 @@ from surefoot.records.audit.flights import flights, what_drives
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.places import gap_place, jump, no_feet, no_ground
 from surefoot.records.audit.restitution import rebound, sparse
-from surefoot.records.audit.rows import Measured, Rows, on_body, over, sliding_mean, sliding_sum
+from surefoot.records.audit.rows import Measured, Rows, on_body, over
 from surefoot.records.audit.soles import has_soles, soles
 from surefoot.records.audit.within_row import limb_turns, turn_speed, way_to_touch
 from surefoot.records.log import Log

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.numerics.windows import sliding_mean
 from surefoot.base.spatial import rotation_from_quaternion
 from surefoot.records.audit.continuity import free_base
 from surefoot.records.audit.episode import LONGEST
@@ -21,7 +22,7 @@ from surefoot.records.audit.intervals import Interval, Track
 from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.report import Finding, Task
-from surefoot.records.audit.rows import Rows, on_body, pieces, sliding_mean
+from surefoot.records.audit.rows import Rows, on_body, pieces
 from surefoot.records.audit.summary.stand_summary import displaced
 from surefoot.records.audit.summary.walk_summary import follows
 from surefoot.records.audit.symptoms.fits import fitted_pyramid, rotation_angle, rotation_between

@@ -15,9 +15,10 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
+from surefoot.base.numerics.windows import sliding_mean, sliding_sum
 from surefoot.base.spatial import GRAVITY
 from surefoot.records.audit.log_context import Setting
-from surefoot.records.audit.rows import Measured, Rows, on_body, over, sliding_mean, sliding_sum
+from surefoot.records.audit.rows import Measured, Rows, on_body, over
 from surefoot.records.audit.within_row import edges, moved_moment, rigid, step_of, swing, turn_speed, turns_of
 from surefoot.records.log import Log
 

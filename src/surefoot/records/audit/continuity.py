@@ -10,11 +10,12 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
+from surefoot.base.numerics.windows import sliding_mean, sliding_sum
 from surefoot.base.spatial import rotation_from_quaternion
 from surefoot.records.audit.limits import LIMITS
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.places import anew
-from surefoot.records.audit.rows import Measured, Rows, over, sliding_mean, sliding_sum
+from surefoot.records.audit.rows import Measured, Rows, over
 from surefoot.records.audit.within_row import edges, rigid, swing
 from surefoot.records.log import Log
 

@@ -9,6 +9,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.errors import ProblemError
 from surefoot.base.kernels import kernel
+from surefoot.base.numerics.rotations import rotation_about, rotation_of
 from surefoot.mechanics import Robot
 
 FREE, TURNS, SLIDES, TURNS_ON, OTHER = range(5)
@@ -125,49 +126,29 @@ def place_bodies(tree: BodyTree, q: FloatArray, turns: FloatArray, origins: Floa
             i, kind = tree.first_q[b], tree.kind[b]
             slide = q[k, i] if kind == SLIDES else 0.0
             if kind == FREE:
-                x, y, z, w = q[k, i + 3], q[k, i + 4], q[k, i + 5], q[k, i + 6]
-                own[0, 0], own[0, 1], own[0, 2] = (
-                    1 - 2 * (y * y + z * z),
-                    2 * (x * y - w * z),
-                    2 * (x * z + w * y),
-                )
-                own[1, 0], own[1, 1], own[1, 2] = (
-                    2 * (x * y + w * z),
-                    1 - 2 * (x * x + z * z),
-                    2 * (y * z - w * x),
-                )
-                own[2, 0], own[2, 1], own[2, 2] = (
-                    2 * (x * z - w * y),
-                    2 * (y * z + w * x),
-                    1 - 2 * (x * x + y * y),
-                )
+                rotation_of(q[k, i:], own)
             elif kind == SLIDES:
                 own[:] = np.eye(3)
             else:
                 c, s = (np.cos(q[k, i]), np.sin(q[k, i])) if kind == TURNS else (q[k, i], q[k, i + 1])
-                x, y, z = tree.axis[b, 0], tree.axis[b, 1], tree.axis[b, 2]
-                u = 1.0 - c
-                # Rodrigues' rotation about the axis
-                own[0, 0], own[0, 1], own[0, 2] = c + x * x * u, x * y * u - z * s, x * z * u + y * s
-                own[1, 0], own[1, 1], own[1, 2] = y * x * u + z * s, c + y * y * u, y * z * u - x * s
-                own[2, 0], own[2, 1], own[2, 2] = z * x * u - y * s, z * y * u + x * s, c + z * z * u
+                rotation_about(tree.axis[b], c, s, own)
             for r in range(3):
                 at[r] = tree.shift[b, r]
-                for c_ in range(3):
-                    move = q[k, i + c_] if kind == FREE else slide * tree.axis[b, c_]
-                    at[r] += tree.turn[b, r, c_] * move
-                    local[r, c_] = 0.0
+                for a in range(3):
+                    move = q[k, i + a] if kind == FREE else slide * tree.axis[b, a]
+                    at[r] += tree.turn[b, r, a] * move
+                    local[r, a] = 0.0
                     for j in range(3):
-                        local[r, c_] += tree.turn[b, r, j] * own[j, c_]
+                        local[r, a] += tree.turn[b, r, j] * own[j, a]
             up = tree.parent[b]
             for r in range(3):
                 origins[k, b, r] = at[r] if up < 0 else origins[k, up, r]
-                for c_ in range(3):
+                for a in range(3):
                     if up < 0:
-                        turns[k, b, r, c_] = local[r, c_]
+                        turns[k, b, r, a] = local[r, a]
                         continue
-                    origins[k, b, r] += turns[k, up, r, c_] * at[c_]
+                    origins[k, b, r] += turns[k, up, r, a] * at[a]
                     total = 0.0
                     for j in range(3):
-                        total += turns[k, up, r, j] * local[j, c_]
-                    turns[k, b, r, c_] = total
+                        total += turns[k, up, r, j] * local[j, a]
+                    turns[k, b, r, a] = total

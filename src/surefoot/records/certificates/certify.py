@@ -9,10 +9,11 @@ from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, finite_array, of_kind, positive_number
 from surefoot.base.errors import ProblemError
+from surefoot.base.numerics.windows import sliding_mean
 from surefoot.mechanics import Robot, Terrain
 from surefoot.records.certificates.causes import find_causes
 from surefoot.records.certificates.certificate_settings import CertificateSettings
-from surefoot.records.certificates.frame_data import FrameData, frame_data, moving_mean
+from surefoot.records.certificates.frame_data import FrameData, frame_data
 from surefoot.records.certificates.frame_kernels import Answer
 from surefoot.records.certificates.frame_table import NO_WINDOW, FrameTable
 from surefoot.records.certificates.motion_report import MotionReport
@@ -158,7 +159,7 @@ def _shaking(motion: Motion) -> FloatArray:
     square = np.zeros(len(motion))
     if len(motion) >= 5:
         square[2:-2] = (np.diff(motion.q[:, :3], 4, axis=0) ** 2).sum(axis=1) / (3.0 * 70.0)
-    return np.asarray(np.sqrt(np.maximum(moving_mean(square, 5), 0.0)))
+    return np.asarray(np.sqrt(np.maximum(sliding_mean(square, 5), 0.0)))
 
 
 def _notes(

@@ -19,29 +19,12 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.kernels import inline_kernel, kernel
 from surefoot.base.numerics.cholesky import cholesky, solve_lower, solve_upper
+from surefoot.base.numerics.projection import face, project_cone
 
 STAGES = np.array([1e-2, 1e-4, 1e-6, 1e-8])
 """eps of the stages, for vectors and forces of order one [-]."""
 MOST_STEPS = 40
 """Newton steps of a stage at most."""
-
-
-@inline_kernel
-def project_on_cone(u: FloatArray, mu: float, out: FloatArray) -> float:
-    """Fill the projection (3,) of (3,) u on ``|f_t| <= mu f_n``; return |u_t|, negative where u is inside."""
-    if mu <= 0.0:
-        out[0], out[1], out[2] = 0.0, 0.0, max(u[2], 0.0)
-        return 0.0
-    side: float = np.hypot(u[0], u[1])
-    if side <= mu * u[2]:
-        out[0], out[1], out[2] = u[0], u[1], u[2]
-        return -1.0
-    normal = (u[2] + mu * side) / (1.0 + mu * mu)
-    if normal <= 0.0:
-        out[0], out[1], out[2] = 0.0, 0.0, 0.0
-        return side
-    out[0], out[1], out[2] = mu * normal * u[0] / side, mu * normal * u[1] / side, normal
-    return side
 
 
 @inline_kernel
@@ -54,12 +37,13 @@ def _slope(
         out[i] = r[i] - b[i]
     for k in range(count):
         first = 2 if mu[k] <= 0.0 else 0
+        u[k, 0] = u[k, 1] = 0.0  # a ray has no tangents
         for a in range(first, 3):
             total = 0.0
             for i in range(d):
                 total += maps[k, a, i] * r[i]
             u[k, a] = total
-        project_on_cone(u[k], mu[k], forces[k])
+        forces[k, 0], forces[k, 1], forces[k, 2] = project_cone(u[k, 0], u[k, 1], u[k, 2], mu[k])
         for a in range(first, 3):
             forces[k, a] /= eps
             for i in range(d):
@@ -68,45 +52,41 @@ def _slope(
 
 @inline_kernel
 def _bend(
-    maps: FloatArray, mu: FloatArray, count: int, d: int, eps: float, u: FloatArray, H: FloatArray
-) -> None:
-    """Fill the lower half of a generalised Hessian (d, d): 1 + sum G D G^T / eps."""
-    D = np.zeros((3, 3))
+    maps: FloatArray, mu: FloatArray, count: int, d: int, eps: float, u: FloatArray, H: FloatArray,
+    w: FloatArray,
+) -> None:  # fmt: skip
+    """Fill the lower half of a generalised Hessian (d, d): 1 + sum G D G^T / eps; w (d,) is room.
+
+    D is that of the projection: v v^T over the orthogonal vectors v of `face`.
+    """
     for i in range(d):
         for j in range(i + 1):
             H[i, j] = 1.0 if i == j else 0.0
     for k in range(count):
-        m, n = mu[k], u[k, 2]
-        if m <= 0.0:
-            if n > 0.0:
-                for i in range(d):
-                    for j in range(i + 1):
-                        H[i, j] += maps[k, 2, i] * maps[k, 2, j] / eps
+        x, y, z = u[k, 0], u[k, 1], u[k, 2]
+        height = project_cone(x, y, z, mu[k])[2]
+        sticks, _, p, q, across, along = face(x, y, height, mu[k], -np.inf, np.inf)
+        if sticks:
+            for a in range(3):
+                _add_outer(maps[k, a], d, eps, H)
             continue
-        side = np.hypot(u[k, 0], u[k, 1])
-        if side <= m * n:
-            D[:] = np.eye(3)
-        else:
-            normal = (n + m * side) / (1.0 + m * m)
-            if normal <= 0.0:
-                continue
-            x, y, q = u[k, 0] / side, u[k, 1] / side, 1.0 / (1.0 + m * m)
-            # across the generator the boundary is curved: mu f_n / |u_t|
-            curve = m * normal / side
-            D[0, 0], D[0, 1], D[0, 2] = (
-                q * m * m * x * x + curve * y * y,
-                (q * m * m - curve) * x * y,
-                q * m * x,
-            )
-            D[1, 1], D[1, 2], D[2, 2] = q * m * m * y * y + curve * x * x, q * m * y, q
-            D[1, 0], D[2, 0], D[2, 1] = D[0, 1], D[0, 2], D[1, 2]
-        for i in range(d):
-            a0, a1, a2 = maps[k, 0, i], maps[k, 1, i], maps[k, 2, i]
-            c0 = (a0 * D[0, 0] + a1 * D[1, 0] + a2 * D[2, 0]) / eps
-            c1 = (a0 * D[0, 1] + a1 * D[1, 1] + a2 * D[2, 1]) / eps
-            c2 = (a0 * D[0, 2] + a1 * D[1, 2] + a2 * D[2, 2]) / eps
-            for j in range(i + 1):
-                H[i, j] += c0 * maps[k, 0, j] + c1 * maps[k, 1, j] + c2 * maps[k, 2, j]
+        if across > 0.0:
+            for i in range(d):
+                w[i] = across * (p * maps[k, 1, i] - q * maps[k, 0, i])
+            _add_outer(w, d, eps, H)
+        if along > 0.0:
+            for i in range(d):
+                w[i] = along * (mu[k] * (p * maps[k, 0, i] + q * maps[k, 1, i]) + maps[k, 2, i])
+            _add_outer(w, d, eps, H)
+
+
+@inline_kernel
+def _add_outer(w: FloatArray, d: int, eps: float, H: FloatArray) -> None:
+    """Add w w^T / eps to the lower half of H."""
+    for i in range(d):
+        one = w[i] / eps
+        for j in range(i + 1):
+            H[i, j] += one * w[j]
 
 
 @kernel
@@ -148,7 +128,7 @@ def nearest_sum(
             if size <= 1e-10:
                 break
             steps += 1
-            _bend(maps, mu, count, d, eps, u, H)
+            _bend(maps, mu, count, d, eps, u, H, trial)
             cholesky(H[:d, :d])
             solve_lower(H[:d, :d], step[:d])
             solve_upper(H[:d, :d], step[:d])

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
+from surefoot.base.numerics.windows import sliding_mean
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot, Terrain, file_actuators
 from surefoot.records.certificates.body_tree import (
@@ -163,7 +164,7 @@ def _point_arrays(
     body, radii, centres = body[near], points.radii[near], np.ascontiguousarray(centres[:, near])
     normals = normals if terrain is None else np.ascontiguousarray(normals[:, near])
     slides = slide_speeds(centres, motion.rates, body, radii, normals, step)
-    slides = moving_mean(slides, window.mean)
+    slides = sliding_mean(slides, window.mean) if window.mean > 1 else slides
     lowest = np.ascontiguousarray(centres - radii[:, None] * normals)
     return PointArrays(
         near, body, points.mu[near], lowest, np.ascontiguousarray(gaps[:, near]), normals, slides
@@ -172,17 +173,6 @@ def _point_arrays(
 
 NEAR = 0.3
 """Points that never come nearer to the ground than this are left out [m]."""
-
-
-def moving_mean(values: FloatArray, count: int) -> FloatArray:
-    """Return the means over `count` neighbouring rows of (T, ...), fewer at the ends."""
-    if count <= 1 or len(values) == 0:
-        return values
-    sums = np.concatenate([np.zeros((1, *values.shape[1:])), np.cumsum(values, axis=0)])
-    at = np.arange(len(values))
-    first, last = np.maximum(at - (count - 1) // 2, 0), np.minimum(at + count // 2 + 1, len(values))
-    shape = (-1, *(1 for _ in values.shape[1:]))
-    return np.ascontiguousarray((sums[last] - sums[first]) / (last - first).reshape(shape))
 
 
 def _motors(

@@ -15,7 +15,7 @@ import numpy as np
 from surefoot.base.arrays import whole_number
 from surefoot.base.drawn import Drawn
 from surefoot.base.errors import ProblemError, writing
-from surefoot.base.text_files import path_of
+from surefoot.base.text_files import path_of, plain_value
 from surefoot.records.certificates.certificate_settings import CertificateSettings
 from surefoot.records.certificates.frame_certificate import FrameCertificate, certificate_of
 from surefoot.records.certificates.frame_data import FrameData
@@ -160,13 +160,13 @@ class MotionReport(Drawn):
 
     def plain(self) -> dict[str, Any]:
         """Return `as_dict` with None for what is not finite, as JSON has it."""
-        out: dict[str, Any] = _finite(self.as_dict())
+        out: dict[str, Any] = plain_value(self.as_dict())
         return out
 
     def to_json(self, path: Path | str) -> Path:
         """Write verdict, segments and frames as JSON into a file and return its path."""
         place = path_of(path)
-        columns = {name: _plain(values) for name, values in self.frames.columns().items()}
+        columns = plain_value(self.frames.columns())
         text = json.dumps({**self.plain(), "columns": columns}, indent=1)
         with writing(place):
             place.write_text(text + "\n", encoding="utf-8")
@@ -178,19 +178,5 @@ class MotionReport(Drawn):
         with writing(place), place.open("w", newline="", encoding="utf-8") as file:
             out = csv.writer(file)
             out.writerow(columns)
-            out.writerows(zip(*(_plain(values) for values in columns.values()), strict=True))
+            out.writerows(zip(*plain_value(columns).values(), strict=True))
         return place
-
-
-def _plain(values: Any) -> list[Any]:
-    """Return an array as plain values, None for what is not finite."""
-    return [None if isinstance(v, float) and not math.isfinite(v) else v for v in values.tolist()]
-
-
-def _finite(value: Any) -> Any:
-    """Return plain values with None for what is not finite."""
-    if isinstance(value, dict):
-        return {key: _finite(one) for key, one in value.items()}
-    if isinstance(value, list):
-        return [_finite(one) for one in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

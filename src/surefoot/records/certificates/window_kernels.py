@@ -13,6 +13,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import inline_kernel, kernel
+from surefoot.base.numerics.rotations import log_between
 from surefoot.base.spatial import GRAVITY
 from surefoot.records.certificates.body_tree import SLIDES, BodyTree
 
@@ -70,27 +71,6 @@ class MotionArrays(NamedTuple):
 
 
 @inline_kernel
-def _turning(first: FloatArray, second: FloatArray, step: float, out: FloatArray) -> None:
-    """Fill the angular velocity (3,) that takes one rotation to the next, world axes [rad/s]."""
-    trace = 0.0
-    for i in range(3):
-        for j in range(3):
-            trace += second[i, j] * first[i, j]
-    for i in range(3):
-        a, b = (i + 1) % 3, (i + 2) % 3
-        # the antisymmetric part of second first^T
-        total = 0.0
-        for j in range(3):
-            total += second[b, j] * first[a, j] - second[a, j] * first[b, j]
-        out[i] = 0.5 * total
-    sine = np.sqrt(out[0] ** 2 + out[1] ** 2 + out[2] ** 2)
-    angle = np.arctan2(sine, 0.5 * (trace - 1.0))
-    scale = (angle / sine if sine > 1e-9 else 1.0) / step
-    for i in range(3):
-        out[i] *= scale
-
-
-@inline_kernel
 def _spin(turn: FloatArray, inertia: FloatArray, rate: FloatArray, share: float, out: FloatArray) -> None:
     """Add share R I R^T rate to (3,) out [N m s]."""
     for c in range(3):
@@ -121,7 +101,9 @@ def fill_momenta(tree: BodyTree, step: float, motion: MotionArrays) -> None:
     for k in range(motion.turns.shape[0] - 1):
         for b in range(tree.mass.shape[0]):
             rate, out = motion.rates[k, b], motion.momenta[k, b]
-            _turning(motion.turns[k, b], motion.turns[k + 1, b], step, rate)
+            log_between(motion.turns[k + 1, b], motion.turns[k, b], rate)
+            for i in range(3):
+                rate[i] /= step
             spin[:] = 0.0
             _spin(motion.turns[k, b], tree.inertia[b], rate, 0.5, spin)
             _spin(motion.turns[k + 1, b], tree.inertia[b], rate, 0.5, spin)

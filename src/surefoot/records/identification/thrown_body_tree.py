@@ -10,7 +10,7 @@ import numpy as np
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.kernels import inline_kernel, kernel
 from surefoot.base.numerics.cholesky import cholesky, solve_lower, solve_upper
-from surefoot.base.numerics.rotations import rotation_of
+from surefoot.base.numerics.rotations import rotation_about, rotation_of
 
 
 class FallingBody(NamedTuple):
@@ -122,16 +122,7 @@ def place(body: FallingBody, q: FloatArray, at: Placed) -> None:
         if body.sliding[i]:
             at.R[i] = rest
             continue
-        c, s = math.cos(angle), math.sin(angle)
-        for j in range(3):  # Rodrigues
-            for k in range(3):
-                turn[j, k] = (1.0 - c) * axis[j] * axis[k] + (c if j == k else 0.0)
-        turn[0, 1] -= s * axis[2]
-        turn[0, 2] += s * axis[1]
-        turn[1, 0] += s * axis[2]
-        turn[1, 2] -= s * axis[0]
-        turn[2, 0] -= s * axis[1]
-        turn[2, 1] += s * axis[0]
+        rotation_about(axis, math.cos(angle), math.sin(angle), turn)
         _product(rest, turn, at.R[i])
     for k in range(body.radii.size):
         i = body.links[k]

@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from surefoot.base.errors import count_of
+
 if TYPE_CHECKING:
     from surefoot.mechanics.robot.lint.subject import Subject
 
@@ -130,7 +132,7 @@ class Lint:
     def summary(self) -> str:
         """How many of each, and in which world, in one line."""
         counts = [(len(self._of(one)), one) for one in SEVERITIES]
-        parts = ", ".join(f"{n} {one}{'' if n == 1 else 's'}" for n, one in counts)
+        parts = ", ".join(count_of(n, one) for n, one in counts)
         return f"{self.robot}: {parts}; walks in {self.world}"
 
     def __str__(self) -> str:

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
+from surefoot.base.numerics.windows import sliding_mean
 from surefoot.base.spatial import GRAVITY
-from surefoot.records.audit.rows import sliding_mean
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.story.world_causes import model_changes

@@ -46,38 +46,22 @@ class Landing(NamedTuple):
     velocity: FloatArray
 
 
-def feet_down(s: Signals) -> dict[str, BoolArray]:
-    """Return link to where (T,) a foot of it is loaded on ground that stands still."""
-    feet = s.is_foot & ~s.on_movable
-    owners = dict.fromkeys(s.links[k] for k in np.flatnonzero(feet))
-    out: dict[str, BoolArray] = {}
-    for one in owners:
-        mine = feet & np.array([link == one for link in s.links])
-        out[one] = np.asarray(s.loaded[:, mine].any(axis=1))
-    return out
-
-
 def landings(s: Signals) -> dict[str, list[Landing]]:
     """Return link to its landings after swings of 50 ms or more, by time."""
-    feet = s.is_foot & ~s.on_movable
     out = {}
-    for link, down in feet_down(s).items():
-        mine = feet & np.array([x == link for x in s.links])
-        out[link] = [
-            _landing(s, mine, start, end, s.heading[end])
-            for start, end in _swings(down, s.rows(0.02))
-            if (end - start) * s.dt > 0.05
-        ]
+    for link, down in s.feet_down.items():
+        mine = s.ground_feet & np.array([x == link for x in s.links])
+        out[link] = [_landing(s, mine, start, end, s.heading[end]) for start, end in _swings(s, down)]
     return out
 
 
-def _swings(down: BoolArray, least: int) -> Iterator[tuple[int, int]]:
-    """Yield the rows of lift and landing of swings, loads of less than `least` rows left out."""
+def _swings(s: Signals, down: BoolArray) -> list[tuple[int, int]]:
+    """Return the rows of lift and landing of swings of more than 50 ms; loads of less than 20 ms are none."""
+    least = s.rows(0.02)
     stances = [(a, b) for a, b in joined_runs(down, least) if b - a >= least]
-    if stances and stances[0][0] > 0:
-        yield 0, stances[0][0]
-    for (_, lifted), (landed, _) in pairwise(stances):
-        yield lifted, landed
+    first = [(0, stances[0][0])] if stances and stances[0][0] > 0 else []
+    found = [*first, *((lifted, landed) for (_, lifted), (landed, _) in pairwise(stances))]
+    return [(lifted, landed) for lifted, landed in found if (landed - lifted) * s.dt > 0.05]
 
 
 def _landing(s: Signals, mine: BoolArray, lifted: int, row: int, turn: FloatArray) -> Landing:
@@ -88,7 +72,7 @@ def _landing(s: Signals, mine: BoolArray, lifted: int, row: int, turn: FloatArra
 
 def walks(s: Signals) -> bool:
     """Return whether a foot ever lands after a swing."""
-    return any(landings(s).values())
+    return any(_swings(s, down) for down in s.feet_down.values())
 
 
 def left_the_feet(s: Signals) -> int | None:
@@ -169,7 +153,7 @@ def slow(s: Signals) -> Iterator[Sign]:
 
 def _tips(s: Signals) -> Sign | None:
     """Return the first stance on one point, or two feet of several, that lasts until the body tips over."""
-    down = feet_down(s)
+    down = s.feet_down
     if not walks(s) and len(down) < 3:
         return None
     if len(down) == 1:
@@ -209,6 +193,6 @@ def _speed(s: Signals, row: int) -> float:
 def _stance(s: Signals, row: int) -> float:
     """Return the mean time on the ground of stances that ended before a row, or are on then [s]."""
     times = [
-        (b - a) * s.dt for down in feet_down(s).values() for a, b in joined_runs(down[: row + 1]) if a > 0
+        (b - a) * s.dt for down in s.feet_down.values() for a, b in joined_runs(down[: row + 1]) if a > 0
     ]
     return float(np.mean(times)) if times else 0.0

@@ -14,7 +14,7 @@ from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.spatial import GRAVITY
 from surefoot.records.audit.story.control_causes import at_limit, largest_torques
 from surefoot.records.audit.story.failure import fall, stray
-from surefoot.records.audit.story.gait_causes import feet_down, left_the_feet, walks
+from surefoot.records.audit.story.gait_causes import left_the_feet, walks
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 
@@ -166,7 +166,7 @@ def _weight_on(s: Signals) -> FloatArray:
 def _contact_changes(s: Signals) -> BoolArray:
     """Return (T,) where a foot began or ceased to carry a moment before: controllers may switch by that."""
     change = np.zeros(len(s.time))
-    for down in feet_down(s).values():
+    for down in s.feet_down.values():
         change[1:] += down[1:] != down[:-1]
     total = np.cumsum(change)
     since = np.maximum(np.arange(len(total)) - s.rows(s.limits.brief), 0)

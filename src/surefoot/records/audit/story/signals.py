@@ -142,6 +142,18 @@ class Signals:
         return np.asarray(self.log.facts.get("contact_other_moves", np.zeros(len(self.names)))) > 0.0
 
     @cached_property
+    def ground_feet(self) -> BoolArray:
+        """(p,) whether each contact is a foot's, on ground that stands still."""
+        return np.asarray(self.is_foot & ~self.on_movable)
+
+    @cached_property
+    def feet_down(self) -> dict[str, BoolArray]:
+        """Link to where (T,) a foot of it is loaded on ground that stands still."""
+        owners = dict.fromkeys(self.links[k] for k in np.flatnonzero(self.ground_feet))
+        mine = {one: self.ground_feet & np.array([link == one for link in self.links]) for one in owners}
+        return {one: np.asarray(self.loaded[:, which].any(axis=1)) for one, which in mine.items()}
+
+    @cached_property
     def links(self) -> tuple[str, ...]:
         """(p,) links of the contact points, their feet's names where the log does not tell."""
         return self.texts("contact_body") or tuple(self.setting.feet[k] for k in self.setting.owner)
@@ -263,7 +275,7 @@ class Signals:
 
         points = self.com + self.com_velocity * self.pendulum_time
         capture, places = points @ self.level_axes.T, self.positions @ self.level_axes.T
-        feet = self.is_foot & ~self.on_movable
+        feet = self.ground_feet
         out = np.full(len(self.time), np.nan)
         stride = self.rows(0.01)
         for t in range(0, len(out), stride):

@@ -8,10 +8,10 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.numerics.phases import joined_runs
+from surefoot.base.numerics.windows import sliding_mean, sliding_sum
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import frames_on
 from surefoot.records.audit.model_changes import logged_changes
-from surefoot.records.audit.rows import sliding_mean, sliding_sum
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.symptoms.fits import rotation_between
@@ -96,7 +96,7 @@ def slope(s: Signals) -> Iterator[Sign]:
     if not (s.loaded & s.is_foot).any():
         return
     row = int((s.loaded & s.is_foot).any(axis=1).argmax())
-    on = s.loaded[row] & s.is_foot & ~s.on_movable
+    on = s.loaded[row] & s.ground_feet
     if not on.any():
         return
     lift = np.clip(s.normals[row][on] @ s.up, 1e-6, 1.0)
@@ -119,11 +119,11 @@ def slippery(s: Signals) -> Iterator[Sign]:
     if s.torques.shape[1] and not s.floating:
         return  # a hand that slides does not fall
     touched = s.texts("contact_with")
-    known = np.where(s.loaded & s.is_foot & ~s.on_movable, s.mu, 0.0).max(axis=1, initial=0.0)
+    known = np.where(s.loaded & s.ground_feet, s.mu, 0.0).max(axis=1, initial=0.0)
     before = np.maximum.accumulate(known)[:, None]
     slippery_there = (s.mu < s.limits.slippery) | (s.mu < s.limits.less_grip * before)
     window = s.rows(2.0 * s.limits.brief)
-    for k in np.flatnonzero(s.is_foot & ~s.on_movable & s.sliding.any(axis=0)):
+    for k in np.flatnonzero(s.ground_feet & s.sliding.any(axis=0)):
         there = s.sliding[:, k] & slippery_there[:, k]
         # a contact that bounces slides now and then
         row = s.first(there & (sliding_mean(there.astype(np.float64), window) > 0.3))
@@ -137,7 +137,7 @@ def slippery(s: Signals) -> Iterator[Sign]:
 
 def edge(s: Signals) -> Iterator[Sign]:
     """Yield feet that meet ground higher or lower than the plane that they began on, or its side."""
-    on = s.loaded & s.is_foot & ~s.on_movable
+    on = s.loaded & s.ground_feet
     if not on.any():
         return
     first = int(on.any(axis=1).argmax())
@@ -148,7 +148,7 @@ def edge(s: Signals) -> Iterator[Sign]:
     level = float(np.median(places @ normal))
     over, side = s.positions @ normal - level, s.normals @ normal
     high = on & (np.abs(over) > s.limits.edge + _depth(s))
-    low = s.is_foot & ~s.on_movable & (over < -s.limits.edge - _depth(s)) & (s.gaps > 0.0)
+    low = s.ground_feet & (over < -s.limits.edge - _depth(s)) & (s.gaps > 0.0)
     wall = on & (side < 0.7)
     for k in range(on.shape[1]):
         where = (high | low | wall)[:, k]

@@ -1,8 +1,7 @@
 """MuJoCo's own arrays, reached from compiled code by their addresses.
 
 Constraints and contacts lie in an arena: their arrays move at every step, and to ask MuJoCo's bindings for
-each
-of them takes longer than a small step. The struct that holds their addresses does not move.
+each of them takes longer than a small step. The struct that holds their addresses does not move.
 """
 
 from __future__ import annotations
@@ -25,8 +24,7 @@ WORDS = 60_000
 """Words of the struct mjData that are searched; MuJoCo 4.0.0's fields end before 30,000."""
 ARENA = (
     "efc_J", "efc_type", "efc_id", "efc_pos", "efc_margin", "efc_frictionloss", "efc_vel", "efc_aref",
-    "efc_R",
-    "efc_force",
+    "efc_R", "efc_force",
 )  # fmt: skip
 """Arrays of constraints that are read or written."""
 CONTACT_FIELDS = ("dist", "includemargin", "friction", "dim", "geom", "exclude", "efc_address")

@@ -5,8 +5,7 @@ velocity that the four make together is a mean of lawful ones, with positive wei
 contacts stay the same.
 
 Where nothing touches in any stage the step is MuJoCo's own: its method for turning bodies is of a higher
-order
-than the mean of angular velocities that is taken here.
+order than the mean of angular velocities that is taken here.
 """
 
 from __future__ import annotations

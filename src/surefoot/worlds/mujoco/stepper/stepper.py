@@ -32,8 +32,7 @@ from surefoot.worlds.mujoco.stepper.stage import (
 
 SHARE = 0.2
 """Share of a penetration, and of an equality's error, that is undone in a step [-]: beside the motion, so
-that
-it gives no speed. A judgement: gone in 20 steps, and curvature of one step does not overshoot."""
+that it gives no speed. A judgement: gone in 20 steps, and curvature of one step does not overshoot."""
 REACH = 1e-3
 """Distance from which contacts and limits are looked at [m, rad]: what closes a larger gap in one step is
 caught in the step after. A judgement: a foot at 0.5 m/s and 2 ms."""
