@@ -106,7 +106,7 @@ def draw_region(region: Region, axes: Any) -> None:
     """Draw the region's inner polygon filled, and what it is known to be inside of dashed."""
     _fill(axes, region.inner, COM, f"inside: {1e4 * region.area:.0f} cm²", filled=True)
     _fill(axes, region.outer, MUTED, f"outside of this: none (gap {1e3 * region.gap:.2g} mm)", filled=False)
-    _finish(axes, "empty" if region.empty else f"region at height {region.height + 0.0:.2f} m")
+    _finish(axes, "empty" if region.empty else f"region at height {round(region.height, 2) + 0.0:.2f} m")
     if not region.empty:
         axes.legend(fontsize=8, loc="best")
 
