@@ -249,6 +249,15 @@ def test_files_say_what_the_report_says(g1: sf.Robot, tmp_path) -> None:
     assert rows[10]["cause"] == "hangs"
 
 
+@pytest.mark.parametrize("write", [MotionReport.to_json, MotionReport.to_csv])
+def test_a_file_that_exists_is_kept(g1: sf.Robot, tmp_path, write) -> None:
+    path = tmp_path / "mine"
+    path.write_text("mine")
+    with pytest.raises(ProblemError, match="exists already"):
+        write(sf.certify_motion(g1, still(g1)), path)
+    assert path.read_text() == "mine"
+
+
 def test_wrong_input_is_named(g1: sf.Robot) -> None:
     motion = still(g1)
     spoilt = motion.q.copy()

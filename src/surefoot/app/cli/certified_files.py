@@ -112,7 +112,9 @@ def _certify(path: Path, question: Question, kept: Path | None) -> list[dict[str
         found.append(report.plain())
         if kept is not None:
             number = "" if len(found) == 1 else f"-{len(found)}"
-            report.to_csv(kept.with_name(f"{kept.name}{number}.csv"))
+            rows = kept.with_name(f"{kept.name}{number}.csv")
+            rows.unlink(missing_ok=True)  # of a run that was interrupted before its .json
+            report.to_csv(rows)
         if question.picture is not None:
             from surefoot.app.viz.picture import picture
 

@@ -164,8 +164,8 @@ class MotionReport(Drawn):
         return out
 
     def to_json(self, path: Path | str) -> Path:
-        """Write verdict, segments and frames as JSON into a file and return its path."""
-        place = path_of(path)
+        """Write verdict, segments and frames as JSON into a new file and return its path."""
+        place = _new_file(path)
         columns = plain_value(self.frames.columns())
         text = json.dumps({**self.plain(), "columns": columns}, indent=1)
         with writing(place):
@@ -173,10 +173,18 @@ class MotionReport(Drawn):
         return place
 
     def to_csv(self, path: Path | str) -> Path:
-        """Write a row a frame as CSV into a file and return its path."""
-        place, columns = path_of(path), self.frames.columns()
+        """Write a row a frame as CSV into a new file and return its path."""
+        place, columns = _new_file(path), self.frames.columns()
         with writing(place), place.open("w", newline="", encoding="utf-8") as file:
             out = csv.writer(file)
             out.writerow(columns)
             out.writerows(zip(*plain_value(columns).values(), strict=True))
         return place
+
+
+def _new_file(path: Path | str) -> Path:
+    """Return a path that is free, or refuse it: nothing that exists is overwritten."""
+    place = path_of(path)
+    if place.exists():
+        raise ProblemError(f"{place} exists already")
+    return place
