@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import html
 from pkgutil import resolve_name
 from typing import Any
 
@@ -52,6 +50,9 @@ class Drawn:
 
     def _repr_html_(self) -> str | None:
         """Return the sentence and the picture that a notebook shows."""
+        import base64
+        import html
+
         image = self._repr_png_()
         if image is None:
             return None
