@@ -53,7 +53,7 @@ class Redundancy:
         )
 
 
-FEW_BODIES = 0.58
+LIKELY_FEW = 0.58
 """Likely rank's share of the rows up to which contacts hold few bodies: 0.3 to 0.53 for walls of bricks, 0.66
 and more for stacks and piles of spheres."""
 
@@ -76,7 +76,7 @@ def likely_rank(problem: ContactProblem) -> float:
 
 def few_bodies(problem: ContactProblem) -> bool:
     """Tell whether many contacts hold few bodies, as far as `likely_rank` knows."""
-    return likely_rank(problem) <= FEW_BODIES * problem.g.size
+    return likely_rank(problem) <= LIKELY_FEW * problem.g.size
 
 
 def redundancy(problem: ContactProblem, tol: float = 1e-9) -> Redundancy:

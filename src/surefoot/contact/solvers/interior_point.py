@@ -31,7 +31,7 @@ import scipy.linalg
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.kernels import working_time
 from surefoot.contact.problem.problem import ContactProblem
-from surefoot.contact.problem.redundancy import few_bodies, likely_rank
+from surefoot.contact.problem.redundancy import LIKELY_FEW, likely_rank
 from surefoot.contact.solution import Status
 from surefoot.contact.solvers.admm import polish
 from surefoot.contact.solvers.central_step import Iterate, fill_residual
@@ -108,7 +108,7 @@ def where_light(
     """Solve a problem whose steps are light, a warm start (n, 3) as `solve_interior`; else None."""
     rows = problem.g.size
     rank = likely_rank(problem)
-    if not few_bodies(problem) or rows * rank**2 > LIGHT:
+    if rank > LIKELY_FEW * rows or rows * rank**2 > LIGHT:
         return None
     return _where(problem, settings, warm_start, -1.0, FEW_BODIES)
 

@@ -19,7 +19,7 @@ from surefoot.base.npz_files import check_archive
 from surefoot.base.text_files import path_of
 from surefoot.records.log.csv_file import source as read_table
 from surefoot.records.motions.pickle_reader import PickleReader
-from surefoot.records.motions.pickled_parts import count_of
+from surefoot.records.motions.pickled_parts import count_entries
 
 LARGEST = 1 << 30
 """Bytes of a file, and of what a compressed one unpacks to, that are read at most: 1 GB."""
@@ -98,9 +98,9 @@ def _npy(file: io.BytesIO) -> Any:
         if dtype.hasobject:
             return PickleReader(file).read()
         data = file.read()
-        if len(data) != count_of(shape) * dtype.itemsize:
-            raise ProblemError(f"an array of shape {shape} needs {count_of(shape) * dtype.itemsize} bytes, "
-                               f"the file has {len(data)}")  # fmt: skip
+        wanted = count_entries(shape) * dtype.itemsize
+        if len(data) != wanted:
+            raise ProblemError(f"an array of shape {shape} needs {wanted} bytes, the file has {len(data)}")
         return np.frombuffer(data, dtype).reshape(shape, order="F" if columns else "C")
     except ProblemError:
         raise

@@ -90,11 +90,11 @@ class JoblibPart:
             raise Refused("an array of joblib's has no type or shape")
         if self.fields.get("numpy_array_alignment_bytes") is not None:
             file.read(int.from_bytes(file.read(1), "little"))
-        size = count_of(shape) * dtype.dtype().itemsize
+        size = count_entries(shape) * dtype.dtype().itemsize
         self.value = shape_array(shape, dtype, str(self.fields.get("order", "C")), file.read(size))
 
 
-def count_of(shape: Any) -> int:
+def count_entries(shape: Any) -> int:
     """Return the number of entries of a shape, or refuse what is none."""
     whole = isinstance(shape, tuple) and all(isinstance(n, int) and 0 <= n < 2**40 for n in shape)
     if not whole or len(shape) > 8:
@@ -104,7 +104,7 @@ def count_of(shape: Any) -> int:
 
 def shape_array(shape: Any, dtype: Any, order: str, contents: Any) -> Any:
     """Return the array of a shape and type from its bytes, or from a list of what it holds."""
-    count = count_of(shape)
+    count = count_entries(shape)
     if not isinstance(dtype, DtypePart):
         raise Refused("an array has no type")
     if dtype.objects:
