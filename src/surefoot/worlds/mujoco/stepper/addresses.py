@@ -7,6 +7,7 @@ each of them takes longer than a small step. The struct that holds their address
 from __future__ import annotations
 
 import ctypes
+import importlib
 from functools import cache
 from typing import Any
 
@@ -20,8 +21,6 @@ FIRST_BYTE = 8
 """Address that the views of all memory begin at: zero is none."""
 SPAN = 1 << 47
 """Bytes that they reach over: user space on 64-bit Linux, macOS and Windows."""
-WORDS = 60_000
-"""Words of the struct mjData that are searched; MuJoCo 4.0.0's fields end before 30,000."""
 ARENA = (
     "efc_J", "efc_type", "efc_id", "efc_pos", "efc_margin", "efc_frictionloss", "efc_vel", "efc_aref",
     "efc_R", "efc_force",
@@ -54,6 +53,9 @@ def place_of(array: Any) -> int:
 def arena_words(mujoco: Any) -> IntArray:
     """Return at which words (11,) of mjData the addresses of `ARENA` stand, then that of the contacts.
 
+    The places are counted in MuJoCo's own list of its fields, from an array that lies in the struct itself:
+    a search for the addresses would read past the struct's end, where copies of them may lie.
+
     Raises
     ------
     ModelError
@@ -62,26 +64,28 @@ def arena_words(mujoco: Any) -> IntArray:
     model = mujoco.MjModel.from_xml_string(_PROBE)
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    words = np.ctypeslib.as_array((ctypes.c_int64 * WORDS).from_address(data._address))
-    # a probe of another size moves the arena's arrays, so that what matches twice is the field
-    found = [_words_of(words, getattr(data, name)) for name in ARENA]
-    found.append(_words_of(words, data.contact.dist))
-    data.qpos[2] = 5.0
-    mujoco.mj_forward(model, data)
-    data.qpos[2:7] = [0.09, 0.95, 0.05, 0.0, 0.0]
-    mujoco.mj_forward(model, data)
-    again = [_words_of(words, getattr(data, name)) for name in ARENA]
-    again.append(_words_of(words, data.contact.dist))
-    both = [np.intersect1d(one, two) for one, two in zip(found, again, strict=True)]
-    if any(not len(one) for one in both):
-        raise ModelError(f"MuJoCo {mujoco.__version__} keeps its constraints in an unknown way")
-    # an empty array shares the address of the field after it
-    return np.array([int(one[-1]) for one in both])
+    # behind the two numbers of the energies every field is an address
+    first = (data.energy.__array_interface__["data"][0] - data._address) // 8 + 2
+    found: IntArray = first + _places_after_energy(mujoco, (*ARENA, "contact"))
+    words = np.ctypeslib.as_array((ctypes.c_int64 * int(found.max() + 1)).from_address(data._address))
+    arrays = [*(getattr(data, name) for name in ARENA), data.contact.dist]
+    if any(words[at] != a.__array_interface__["data"][0] for at, a in zip(found, arrays, strict=True)):
+        raise _unknown(mujoco)
+    return found
 
 
-def _words_of(words: IntArray, array: Any) -> IntArray:
-    """Return which words hold the address of an array."""
-    return np.flatnonzero(words[: WORDS // 2] == array.__array_interface__["data"][0])
+def _places_after_energy(mujoco: Any, wanted: tuple[str, ...]) -> IntArray:
+    """Return how many fields of mjData lie between the energies and each of some."""
+    try:
+        fields = importlib.import_module("mujoco.introspect.structs").STRUCTS["mjData"].fields
+        names = [field.name for field in fields]
+        return np.array([names.index(name) for name in wanted]) - names.index("energy") - 1
+    except (ImportError, AttributeError, KeyError, ValueError) as error:
+        raise _unknown(mujoco) from error
+
+
+def _unknown(mujoco: Any) -> ModelError:
+    return ModelError(f"MuJoCo {mujoco.__version__} keeps its constraints in an unknown way")
 
 
 @cache
