@@ -9,7 +9,8 @@ PREFIX := $(VENV)/lib/python3*/site-packages/cmeel.prefix
 TRIM = rm -rf $(PREFIX)/include $(PREFIX)/share/cmake
 # meshes of arms, hands and drones that no name of a robot leads to: standing needs none of them
 ARMS := alex allegro_hand asr_twodof baxter borinot hextilt iris pr2 so_arm tiago tiago_pro xarm
-PYTEST := $(BIN)/python -m pytest -n 2 --dist loadgroup -q
+# a crashed worker is not started again: with groups the rest would wait for it for ever
+PYTEST := $(BIN)/python -m pytest -n 2 --dist loadgroup --max-worker-restart 0 -q
 .DEFAULT_GOAL := help
 .PHONY: help setup stand lint test quick test-all test-extras test-mujoco test-release bench docs clean
 
