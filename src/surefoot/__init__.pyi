@@ -76,6 +76,8 @@ from .motion.walking.walking_settings import WalkSettings as WalkSettings
 from .records.audit import assert_lawful as assert_lawful
 from .records.audit import audit_log as audit_log
 from .records.audit import summarise_walk as summarise_walk
+from .records.audit.batch.audit_batch import audit_batch as audit_batch
+from .records.audit.batch.step_laws import StepLaws as StepLaws
 from .records.audit.contact_times import contact_times as contact_times
 from .records.audit.seeded_faults import seeded_faults as seeded_faults
 from .records.certificates.certify import certify_motion as certify_motion

@@ -52,7 +52,7 @@ def certify_files(
     if folder is not None:
         with writing(folder):
             folder.mkdir(parents=True, exist_ok=True)
-    from surefoot.worlds.sweep.pools import cores
+    from surefoot.base.cores import cores
 
     workers = min(len(files), jobs if jobs is not None else cores())
     out: dict[int, list[Outcome]] = {}

@@ -8,18 +8,16 @@ from pathlib import Path
 
 import numpy as np
 
-from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
 from surefoot.mechanics import Robot
-from surefoot.records.audit.checks import CHECKS, Check, longest_unsure_way
+from surefoot.records.audit.checks import CHECKS, Check
 from surefoot.records.audit.command_tracking import judge_command, judge_task
-from surefoot.records.audit.cones import grip
+from surefoot.records.audit.coverage import coverage_of, why_unsure
 from surefoot.records.audit.diagnosis import diagnose
 from surefoot.records.audit.friction import FrictionCount
 from surefoot.records.audit.intervals import Interval, Track
 from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.audit.log_context import Setting, setting_of
-from surefoot.records.audit.model_changes import masses_changed
 from surefoot.records.audit.report import (
     MASSES,
     TOPICS,
@@ -31,7 +29,7 @@ from surefoot.records.audit.report import (
 )
 from surefoot.records.audit.resets import join_episodes
 from surefoot.records.audit.rows import Rows, lacking, pieces
-from surefoot.records.audit.slides import WORST, slide_on, slide_rules, start_slides
+from surefoot.records.audit.slide_count import SlideCount
 from surefoot.records.audit.story.story import story_of
 from surefoot.records.audit.summary.motor_summary import limits_broken, motor_use
 from surefoot.records.log import Log
@@ -41,15 +39,6 @@ from surefoot.records.log.reading import read_log
 FINITE, CLOCK = "finite", "clock"
 """What is asked of the log itself before any law: numbers that are finite, and time that goes on."""
 _FAULTS = (FINITE, CLOCK)
-OF_ONE_MASS = ("motion", "acceleration", "centre of mass", "momentum")
-"""Laws that take the robot to have one mass; `balance` knows of weight that is put on."""
-FROM_ROW_TO_ROW = (
-    "motion", "restitution", "flight", "state", "gap rate", "momentum", "centre of mass", "acceleration",
-    "contact jump",
-)  # fmt: skip
-"""Laws of what changes from a row to the next: nobody knows them where rows are lost."""
-NEEDED = ("pull", "penetration", "distance", "friction")
-"""Laws without which no log is called lawful: unilateral contact and Coulomb's cone."""
 
 
 def audit_log(log: Log | Path | str, robot: Robot | None = None, limits: AuditLimits = LIMITS) -> AuditReport:
@@ -70,9 +59,9 @@ def audit_log(log: Log | Path | str, robot: Robot | None = None, limits: AuditLi
     -------
     AuditReport
         `.verdict`, `.violations`, `.symptoms`, `.coverage`, `.friction`. Never "lawful" where numbers are
-        not finite, time stands still or runs back, the log contradicts itself, or the laws of `NEEDED` could
-        not be judged. A log with several episodes (its state was reset) is judged episode by episode,
-        `.episodes`; its verdict is the worst.
+        not finite, time stands still or runs back, the log contradicts itself, or the laws of
+        `coverage.NEEDED` could not be judged. A log with several episodes (its state was reset) is judged
+        episode by episode, `.episodes`; its verdict is the worst.
 
     Raises
     ------
@@ -89,13 +78,12 @@ def audit_log(log: Log | Path | str, robot: Robot | None = None, limits: AuditLi
     if len(episodes := log.episodes) > 1:
         return join_episodes(log, [audit_log(one, robot, limits) for one in episodes])
     setting = setting_of(log, robot, limits)
-    coverage = _coverage(log, setting)
+    coverage = coverage_of(log, setting)
     used = [check for check in CHECKS if check.applies(log) and not coverage.get(check.name, "")]
     used = [check for check in used if check.law or not (lacking(log, check.needs) or not setting.names)]
     join = max(1, round(limits.records.join / setting.dt)) if setting.dt > 0.0 else 1
     tracks = {name: Track(name, join) for name in (*_FAULTS, *(check.name for check in used))}
-    friction, slides = FrictionCount(setting), start_slides(len(setting.names), limits.laws)
-    last, unsure = -np.inf, np.zeros(len(setting.names))
+    friction, slides, last = FrictionCount(setting), SlideCount(setting), -np.inf
     for rows in pieces(log, setting):
         last = _faults(rows, tracks, last)
         if setting.names or used:
@@ -104,12 +92,9 @@ def audit_log(log: Log | Path | str, robot: Robot | None = None, limits: AuditLi
                 if setting.names:
                     friction.add(rows)
                 if "dissipation" in tracks:
-                    _slide(rows, slides)
-                    # of means a whole stance is open, else no more than a window of it
-                    way = rows.unsure_way[rows.core].sum(axis=0)
-                    unsure = unsure + way if setting.means else np.fmax(unsure, longest_unsure_way(rows))
+                    slides.add(rows)
     if "dissipation" in tracks:
-        _slow_slides(slides, tracks["dissipation"], setting.slide_limit + unsure, len(log))
+        _slow_slides(slides, tracks["dissipation"], len(log))
     return _report(log, setting, coverage, tracks, friction)
 
 
@@ -136,23 +121,6 @@ def assert_lawful(log: Log | Path | str, robot: Robot | None = None, symptoms: b
     return report
 
 
-def _coverage(log: Log, setting: Setting) -> dict[str, str]:
-    """Return why each law cannot be judged; "" where it can."""
-    out = {}
-    for check in (c for c in CHECKS if c.law and c.applies(log)):
-        missing = lacking(log, check.needs)
-        why = f"the log has no {', '.join(missing)}" if missing else ""
-        if not setting.names:  # what never touches anything is judged by its momentum
-            free = "momentum_rate" in log and not missing
-            why = "" if check.name == "balance" and free else "the log has no contacts"
-        if not why and check.name in OF_ONE_MASS and masses_changed(log):
-            why = "the loop changed masses of its model"
-        if not why and check.name in FROM_ROW_TO_ROW:
-            why = setting.missing_rows
-        out[check.name] = why or check.doubt(log, setting)
-    return out
-
-
 def _faults(rows: Rows, tracks: dict[str, Track], before: float) -> float:
     """Track what is wrong with the log itself, and return the last time stamp."""
     first, core = rows.first + rows.core.start, rows.core
@@ -173,31 +141,17 @@ def _faults(rows: Rows, tracks: dict[str, Track], before: float) -> float:
 
 def _measure(rows: Rows, used: list[Check], tracks: dict[str, Track]) -> None:
     """Track every check in a piece."""
-    first, core = rows.first + rows.core.start, rows.core
+    first = rows.first + rows.core.start
     for check in used:
-        value, limit, bad = check.measure(rows)
-        bad = bad[core] & ~(rows.not_finite[core, : bad.shape[1]] | rows.not_finite[core, -1:])
+        value, limit, bad = check.judge(rows)
         if bad.any():
-            tracks[check.name].add(bad, value[core], limit[core], first)
+            tracks[check.name].add(bad, value, limit, first)
 
 
-def _slide(rows: Rows, state: FloatArray) -> None:
-    """Add up the ways without friction in a piece, however slow; what is lost is left out."""
-    core = rows.core
-    keep = ~rows.not_finite[core].any(axis=1)
-    mu = np.ascontiguousarray(np.broadcast_to(grip(rows), rows.normal.shape)[core][keep])
-    f, v = (np.ascontiguousarray(x[core][keep]) for x in (rows.forces, rows.slip))
-    v = np.where(rows.swinging[core][keep][..., None], 0.0, v)
-    setting = rows.setting
-    rules = slide_rules(setting.limits.laws)
-    slide_on(state, f, v, mu, rows.dt[core][keep], setting.threshold, setting.weight, *rules)
-
-
-def _slow_slides(state: FloatArray, track: Track, limits: FloatArray, rows: int) -> None:
+def _slow_slides(slides: SlideCount, track: Track, rows: int) -> None:
     """Track the contacts that slid too far without friction, too slowly for a window to show."""
     seen = {i.column for i in track.kept}
-    ways = zip(state[:, WORST].tolist(), limits.tolist(), strict=True)
-    for column, (way, limit) in enumerate(ways):
+    for column, (way, limit) in enumerate(zip(slides.ways.tolist(), slides.limits.tolist(), strict=True)):
         if way > limit and column not in seen:
             track.kept.append(Interval(track.check, column, 0, rows - 1, way, limit, rows))
 
@@ -221,7 +175,7 @@ def _report(
     more = {t.check: t.dropped for t in tracks.values() if t.dropped and t.check in laws}
     broken = any(v.law not in _FAULTS for v in violations)
     verdict: Judgement = "lawful"
-    reason = "" if broken else _reason(log, setting, coverage, violations)
+    reason = "" if broken else str(violations[0]) if violations else why_unsure(log, setting, coverage)
     if broken:
         verdict = "broken"
     elif reason:
@@ -250,26 +204,3 @@ def _changes(intervals: tuple[FrictionInterval, ...]) -> Iterator[str]:
                 f"the ground's friction under {one.contact} {how} at {two.start:.2f} s: {one.words} before, "
                 f"{two.words} after"
             )
-
-
-def _reason(log: Log, setting: Setting, coverage: dict[str, str], violations: tuple[Violation, ...]) -> str:
-    """Return why a log in which no law is broken cannot be called lawful; empty if it can."""
-    if violations:
-        return str(violations[0])
-    alone = not setting.names and not coverage["balance"]
-    lacking = {why for name, why in coverage.items() if why and name in NEEDED and not alone}
-    if lacking:
-        return ", ".join(sorted(lacking))
-    if setting.doubts:
-        return setting.doubts[0]
-    if len(log) < (least := setting.limits.records.least_rows):
-        return f"{len(log)} rows are too few, {least} are the least"
-    unknown = coverage["motion"] and coverage["balance"]
-    if unknown and not any(_loaded(piece, setting) for piece in log.chunks()):
-        return "no contact ever carries anything, and the motion is not known"
-    return ""
-
-
-def _loaded(log: Log, setting: Setting) -> bool:
-    """Return whether a contact is ever loaded."""
-    return bool(np.any(np.asarray(log["forces"])[..., 2] > setting.threshold))

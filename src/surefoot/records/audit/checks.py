@@ -54,6 +54,9 @@ class Check:
         Why a log that has the channels cannot be judged all the same; empty where it can.
     applies
         Whether a log has what the check is about; one that has not is not asked for it.
+    by_contact
+        Whether it looks at each contact, or each robot's contacts, alone: several robots may then be judged
+        as one, side by side, see `surefoot.records.audit.batch`.
     """
 
     name: str
@@ -64,6 +67,14 @@ class Check:
     measure: Callable[[Rows], Measured]
     doubt: Callable[[Log, Setting], str] = lambda log, setting: ""
     applies: Callable[[Log], bool] = lambda log: True
+    by_contact: bool = False
+
+    def judge(self, rows: Rows) -> Measured:
+        """Return measure, limit and where it is exceeded in the rows that are asked for, and are finite."""
+        core = rows.core
+        value, limit, bad = self.measure(rows)
+        lost = rows.not_finite[core, : bad.shape[1]] | rows.not_finite[core, -1:]
+        return value[core], limit[core], bad[core] & ~lost
 
 
 def _penetration(rows: Rows) -> Measured:
@@ -108,8 +119,9 @@ def _without_settling(rows: Rows, value: FloatArray) -> FloatArray:
     return np.where(hit > 0.0, 0.0, value)
 
 
-def _work(rows: Rows, friction: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _work(rows: Rows) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return way [m], friction's work [J] and the most that it could take [J], over windows: (T, p) each."""
+    friction = rows.kept(grip)
     own = "contact_creep" in rows.log  # else the limit knows the creep
     w = rows.window(rows.setting.limits.checks.slide_window)
     on = rows.loaded.copy()
@@ -125,29 +137,39 @@ def _work(rows: Rows, friction: FloatArray) -> tuple[FloatArray, FloatArray, Flo
 
 def _driving(rows: Rows) -> Measured:
     """Work that friction gave [J]: never positive, but regularised friction turns late."""
-    _, work, most = _work(rows, grip(rows))
+    _, work, most = rows.kept(_work)
     share = rows.setting.limits.checks.drive_share
     late = rows.setting.limits.laws.slide + 2.0 * rows.setting.stopping
     limit = np.maximum(share * late * rows.setting.weight, share * most)
-    unsure = sliding_sum(grip(rows) * rows.normal * rows.unsure_way, rows.window(_slide_window(rows)))
+    unsure = sliding_sum(rows.kept(grip) * rows.normal * rows.unsure_way, rows.window(_slide_window(rows)))
     return over(_without_settling(rows, work), limit + np.maximum(unsure, 0.0))
 
 
 def _sliding(rows: Rows) -> Measured:
     """Way of a contact as if without friction [m]."""
-    way, work, most = _work(rows, grip(rows))
+    way, work, most = rows.kept(_work)
     limits = rows.setting.limits.checks
     share = np.clip((limits.brake_share * most + work) / np.maximum(most, 1e-12), 0.0, 1.0)
     value = np.where(most > 0.0, way * share, 0.0)
     creep = 0.0 if "contact_creep" in rows.log else rows.setting.creep
-    unsure = sliding_sum(rows.unsure_way, rows.window(_slide_window(rows)))
+    unsure = rows.kept(_unsure_ways)
     limit = rows.setting.slide_limit + creep * limits.slide_window + unsure
     return over(_without_settling(rows, value), limit)
 
 
-def longest_unsure_way(rows: Rows) -> float:
-    """Return the longest way of a window along the ground that velocities of rows leave open [m]."""
-    return float(sliding_sum(rows.unsure_way, rows.window(_slide_window(rows))).max(initial=0.0))
+def longest_unsure_way(rows: Rows) -> FloatArray:
+    """Return the longest way of a window along the ground that velocities of rows leave open [m].
+
+    (p,), that of each contact's robot.
+    """
+    longest = rows.kept(_unsure_ways).max(axis=0, initial=0.0)
+    robots = rows.setting.robots
+    return np.repeat(longest.reshape(robots, -1).max(axis=1), len(longest) // robots)
+
+
+def _unsure_ways(rows: Rows) -> FloatArray:
+    """Return the ways of windows along the ground that velocities of rows leave open: (T, p) [m]."""
+    return sliding_sum(rows.unsure_way, rows.window(_slide_window(rows)))
 
 
 def _slide_window(rows: Rows) -> float:
@@ -158,7 +180,7 @@ def _bias(rows: Rows) -> Measured:
     """Way on which a pyramid brakes less than the round cone, times the share that it lacks [m]."""
     limits, window = rows.setting.limits.laws, rows.window(rows.setting.limits.checks.slide_window)
     least = limits.least_friction
-    lacks = np.where(rows.mu > least, 1.0 - grip(rows) / np.maximum(rows.mu, least), 0.0)
+    lacks = np.where(rows.mu > least, 1.0 - rows.kept(grip) / np.maximum(rows.mu, least), 0.0)
     way = np.hypot(rows.slip[..., 0], rows.slip[..., 1]) * rows.dt[:, None]
     return over(sliding_sum(np.where(rows.loaded, way * lacks, 0.0), window), limits.slide)
 
@@ -268,20 +290,26 @@ def _lean(rows: Rows) -> Measured:
 
 FORCES, GAPS = ("forces",), ("forces", "gaps")
 CHECKS = (
-    Check("penetration", "no contact sinks into the ground", "m", True, ("gaps",), _penetration),
-    Check("pull", "the ground pushes, it never pulls", "N", True, FORCES, _pull),
-    Check("friction", "no more friction than the ground has", "mu", True, ("forces", "mu"), _friction),
-    Check("distance", "no force across a gap", "m", True, GAPS, _distance),
+    Check(
+        "penetration", "no contact sinks into the ground", "m", True, ("gaps",), _penetration, by_contact=True
+    ),
+    Check("pull", "the ground pushes, it never pulls", "N", True, FORCES, _pull, by_contact=True),
+    Check(
+        "friction", "no more friction than the ground has", "mu", True, ("forces", "mu"), _friction,
+        by_contact=True,
+    ),
+    Check("distance", "no force across a gap", "m", True, GAPS, _distance, by_contact=True),
     Check(
         "sole", "a sole's wrench is the sum of its corners' forces", "N", True,
         ("forces", "contact_moments", "mu"), soles, applies=has_soles,
     ),
     Check(
-        "work", "friction never drives", "J", True, ("forces", "contact_velocities", "mu"), _driving
+        "work", "friction never drives", "J", True, ("forces", "contact_velocities", "mu"), _driving,
+        by_contact=True,
     ),
     Check(
         "dissipation", "what slides is braked in full", "m", True, ("forces", "contact_velocities", "mu"),
-        _sliding,
+        _sliding, by_contact=True,
     ),
     Check(
         "motion", "forces explain the motion", "N", True, ("forces", "q", "v"), _motion,
@@ -293,7 +321,7 @@ CHECKS = (
     ),
     Check(
         "restitution", "a touch returns no more than it took", "J", True, ("forces", "contact_velocities"),
-        rebound, sparse,
+        rebound, sparse, by_contact=True,
     ),
     Check(
         "flight", "what falls comes back no higher", "J", True, ("forces", "gaps", "contact_velocities"),
@@ -302,7 +330,7 @@ CHECKS = (
     Check("state", "positions follow from velocities", "m", True, ("q", "v"), state),
     Check(
         "gap rate", "gaps follow from velocities", "m", True, ("gaps", "contact_velocities"), gap_rate,
-        no_plane,
+        no_plane, by_contact=True,
     ),
     Check(
         "contact velocity", "contacts move with the joints", "m/s", True, ("contact_velocities", "q", "v"),
@@ -325,22 +353,22 @@ CHECKS = (
     ),
     Check(
         "gap place", "gaps are those of the contact points", "m", True,
-        ("gaps", "contact_positions", "normals"), gap_place, no_ground,
+        ("gaps", "contact_positions", "normals"), gap_place, no_ground, by_contact=True,
     ),
     Check(
         "contact jump", "contact points go on as their material does", "m", True,
-        ("contact_positions", "contact_velocities", "normals"), jump, no_feet,
+        ("contact_positions", "contact_velocities", "normals"), jump, no_feet, by_contact=True,
     ),
     Check(
         "bias", "a pyramid brakes less than the round cone", "m", False,
         ("forces", "contact_velocities", "mu", "pyramid_turn"), _bias,
     ),
-    Check("depth", "a soft contact", "m", False, ("gaps",), _depth),
-    Check("chatter", "switches of contact in 0.1 s", "1", False, FORCES, _chatter),
-    Check("blow", "force of one row", "m g", False, FORCES, _blow),
+    Check("depth", "a soft contact", "m", False, ("gaps",), _depth, by_contact=True),
+    Check("chatter", "switches of contact in 0.1 s", "1", False, FORCES, _chatter, by_contact=True),
+    Check("blow", "force of one row", "m g", False, FORCES, _blow, by_contact=True),
     Check("unconverged", "the solver stopped early", "N", False, ("forces", "solver_error"), _solver_error),
     Check("idle", "nothing carries the robot", "share", False, FORCES, _idle),
-    Check("frozen", "a force that does not change", "share", False, FORCES, _frozen),
+    Check("frozen", "a force that does not change", "share", False, FORCES, _frozen, by_contact=True),
     Check("lean", "one diagonal of feet carries more", "m g", False, FORCES, _lean),
 )  # fmt: skip
 """Laws first, then signs."""

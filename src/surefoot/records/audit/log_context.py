@@ -73,8 +73,8 @@ class Setting:
     plane
         Whether the ground is known to be one plane, on which a gap changes as its contact moves.
     ground
-        (4,) that plane's normal, world axes, and its height along it [m], where the contacts show it; else
-        None.
+        (4,) that plane's normal, world axes, and its height along it [m], where the contacts show it, or
+        (p, 4) one a contact; else None.
     notes
         What was assumed, a line each.
     doubts
@@ -83,6 +83,9 @@ class Setting:
         What the log is judged by.
     missing_rows
         Which rows the log lacks, see `find_missing_rows`: laws from row to row cannot be judged.
+    robots
+        Robots of one weight side by side, whose contacts lie next to one another, as many of each; see
+        `surefoot.records.audit.batch`.
     """
 
     names: tuple[str, ...]
@@ -106,6 +109,7 @@ class Setting:
     doubts: tuple[str, ...] = field(default=())
     limits: AuditLimits = LIMITS
     missing_rows: str = ""
+    robots: int = 1
 
     @property
     def means(self) -> bool:
@@ -186,7 +190,7 @@ def setting_of(log: Log, robot: Robot | None, limits: AuditLimits = LIMITS) -> S
         )
     model, why = _robot(log, robot, owner, doubts, limits.records.same_mass)
     weight = _weight(log, model, payload, notes, doubts)
-    plane, ground = _ground(log, limits, sinking, weight)
+    plane, ground = ground_of(log, limits, sinking, weight)
     return Setting(
         names, owner, feet, weight, dt, sinking, creep, stopping, settling, payload, place, model, why,
         velocities_after(log, dt, limits.records.clear), forces_late(log, dt, weight),
@@ -205,7 +209,7 @@ def _fact_notes(log: Log, limits: AuditLimits) -> Iterator[str]:
         )
 
 
-def _ground(log: Log, limits: AuditLimits, sinking: float, weight: float) -> tuple[bool, FloatArray | None]:
+def ground_of(log: Log, limits: AuditLimits, sinking: float, weight: float) -> tuple[bool, FloatArray | None]:
     """Return whether a log's terrain is one plane by name, and the plane (4,) that its contacts show."""
     terrain = str(log.facts.get("terrain", "")).split(":")[0]
     if terrain and terrain not in PLANES:

@@ -26,12 +26,12 @@ def gap_place(rows: Rows) -> Measured:
     height, softness = rows.setting.ground, rows.setting.sinking
     value = np.zeros(rows.normal.shape)
     if height is not None:
-        along = rows.numbers("contact_positions") @ height[:3] - height[3]
+        along = (rows.numbers("contact_positions") * height[..., :3]).sum(axis=2) - height[..., 3]
         # a point in the middle of what overlaps, or of a gap across which a margin pushes, is half of it off
         half = (rows.gaps < 0.0) | in_the_middle(rows.log, rows.gaps)
         middle = np.where(half, 0.5, 1.0) * rows.gaps
         value = np.minimum(np.abs(along - rows.gaps), np.abs(along - middle))
-        plane = (np.abs(rows.numbers("normals") - height[:3]) < LEVEL).all(axis=2)
+        plane = (np.abs(rows.numbers("normals") - height[..., :3]) < LEVEL).all(axis=2)
         plane &= on_ground(rows.log, rows.points)
         value = np.where(plane & ~too_far(rows), value, 0.0)
     open_way = way_to_touch(rows) if rows.setting.means else 0.0  # means of places, gaps of instants

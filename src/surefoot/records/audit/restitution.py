@@ -37,10 +37,10 @@ def rebound(rows: Rows) -> Measured:
         for end in (False, True):
             value = np.minimum(value, returned_work(rows.normal, up, dt, loaded, end)[0])
     limit = np.maximum(limits.way * rows.setting.weight, limits.share * taken) + _unloading(rows)
-    any_loaded = np.asarray(loaded.any(axis=1, keepdims=True))
-    chain = _since_touchdown(_work(rows).sum(axis=1, keepdims=True), any_loaded)
+    any_loaded = rows.over_robot(loaded, np.logical_or)
+    chain = _since_touchdown(rows.over_robot(_work(rows), np.add), any_loaded)
     begun = np.logical_or.accumulate(~any_loaded, axis=0)
-    normals = value.sum(axis=1, keepdims=True)
+    normals = rows.over_robot(value, np.add)
     together = np.where(begun, chain, np.minimum(chain, normals))
     if rows.has("gaps"):
         rise = np.diff(rows.gaps, axis=0, append=rows.gaps[-1:])
@@ -68,7 +68,7 @@ def _unloading(rows: Rows) -> FloatArray:
     size = _peak_since_touchdown(np.maximum(rows.normal, 0.0), rows.loaded) * _peak_since_touchdown(
         depth, rows.loaded
     )
-    return np.broadcast_to((size * damped).sum(axis=1, keepdims=True), size.shape)
+    return np.broadcast_to(rows.over_robot(size * damped, np.add), size.shape)
 
 
 def _peak_since_touchdown(values: FloatArray, loaded: BoolArray) -> FloatArray:

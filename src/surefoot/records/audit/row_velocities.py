@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from surefoot.base.arrays import FloatArray
+from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import frames_on
 from surefoot.records.log import Log
@@ -32,24 +32,44 @@ def velocities_after(log: Log, dt: float, clear: float) -> bool | None:
     if not {"gaps", "contact_velocities"} <= set(log.arrays) or dt <= 0.0:
         return False
     gaps, up = (np.asarray(log[name][:ROWS]) for name in ("gaps", "contact_velocities"))
-    change, way = np.diff(gaps, axis=0), dt * up[..., 2]
+    normal = np.asarray(log["forces"][:ROWS])[..., 2] if "forces" in log else None
+    return bool(velocities_after_each(gaps, up[..., 2], normal, dt, clear, 1)[0])
+
+
+def velocities_after_each(
+    gaps: FloatArray, up: FloatArray, normal: FloatArray | None, dt: float, clear: float, robots: int
+) -> BoolArray:
+    """Return for each of some robots side by side what `velocities_after` tells: (robots,).
+
+    Parameters
+    ----------
+    gaps, up, normal
+        (T, p) gaps [m], velocities along the normal [m/s] and normal forces [N], None where not known.
+    dt, clear
+        See there.
+    robots
+        Whose contacts lie next to one another, as many of each.
+    """
+
+    def total(values: FloatArray) -> FloatArray:
+        clean = np.where(np.isfinite(values), values, 0.0)
+        return np.asarray(clean.sum(axis=0).reshape(robots, -1).sum(axis=1))
+
+    change, way = np.diff(gaps, axis=0), dt * up
     with np.errstate(invalid="ignore"):
-        off = [np.abs(change - w) for w in (way[1:], way[:-1], 0.5 * (way[1:] + way[:-1]))]
-    before, after, mean = (float(one[np.isfinite(one)].sum()) for one in off)
-    if clear * min(before, after) > mean and "forces" in log:
-        one, other = _changes_at_touches(np.asarray(log["forces"][:ROWS])[..., 2], up[..., 2])
-        if max(one, other) > clear * min(one, other):
-            return other > one
-    return after < before
-
-
-def _changes_at_touches(normal: FloatArray, up: FloatArray) -> tuple[float, float]:
-    """Return how much velocities change after, and before, the rows in which loads begin [m/s]."""
-    begins = np.zeros(normal.shape, dtype=bool)
-    begins[1:-1] = (normal[1:-1] > 0.0) & (normal[:-2] <= 0.0)
-    rows, columns = np.nonzero(begins)
-    at, earlier, later = (up[rows + k, columns] for k in (0, -1, 1))
-    return float(np.nansum(np.abs(later - at))), float(np.nansum(np.abs(at - earlier)))
+        before, after, mean = (
+            total(np.abs(change - w)) for w in (way[1:], way[:-1], 0.5 * (way[1:] + way[:-1]))
+        )
+        if normal is None:
+            return after < before
+        begins = np.zeros(normal.shape, dtype=bool)
+        begins[1:-1] = (normal[1:-1] > 0.0) & (normal[:-2] <= 0.0)
+        # how much velocities change after, and before, the rows in which loads begin [m/s]
+        turns = np.abs(np.diff(up, axis=0))
+        later, earlier = (total(np.where(at, turns, 0.0)) for at in (begins[:-1], begins[1:]))
+    tells = clear * np.minimum(before, after) > mean
+    tells &= np.maximum(later, earlier) > clear * np.minimum(later, earlier)
+    return np.asarray(np.where(tells, earlier > later, after < before))
 
 
 def forces_late(log: Log, dt: float, weight: float) -> bool:

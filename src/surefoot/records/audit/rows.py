@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import cached_property
-from typing import TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from surefoot.records.log import Log
 
 Measured: TypeAlias = tuple[FloatArray, FloatArray, BoolArray]
 """Measure, limit, and where it is exceeded: (T, c) each, c the contacts or contacts and body."""
+Kept = TypeVar("Kept")
 PAD = 0.15
 """Time before and after a piece that its windows may look at [s]."""
 PIECE = 1 << 15
@@ -49,10 +50,18 @@ class Rows:
         self.count = len(self.log)
         self.points = len(setting.names)
         self._numbers: dict[str, FloatArray] = {}
+        self._kept: dict[Callable[[Rows], Any], Any] = {}
 
     def has(self, *names: str) -> bool:
         """Return whether the log has all of these channels."""
         return self.points > 0 and not lacking(self.log, names)
+
+    def kept(self, function: Callable[[Rows], Kept]) -> Kept:
+        """Return what a function makes of these rows, made once: several checks look at it."""
+        if function not in self._kept:
+            self._kept[function] = function(self)
+        found: Kept = self._kept[function]
+        return found
 
     def numbers(self, name: str) -> FloatArray:
         """Return a channel's rows (T, ...) in its unit, zero where they are not finite."""
@@ -270,11 +279,29 @@ class Rows:
 
     @cached_property
     def swinging(self) -> BoolArray:
-        """(T, 1) whether soft contacts may still swing from a hard touchdown of one of them."""
+        """Whether soft contacts may still swing from a hard touchdown of one of them.
+
+        (T, 1) of the robot, (T, p) of several.
+        """
         if self.setting.settling <= 0.0 or not self.has("gaps", "contact_velocities"):
             return np.zeros((self.count, 1), dtype=bool)
         settling, limits = self.setting.settling, self.setting.limits.laws
-        return swinging(self.time, self.gaps, self.velocities, settling, limits=limits)[0][:, None]
+        each = self.points // self.setting.robots
+        found = [
+            swinging(self.time, self.gaps[:, at], self.velocities[:, at], settling, limits=limits)[0]
+            for at in (slice(k, k + each) for k in range(0, self.points, each))
+        ]
+        return np.asarray(self._spread(np.stack(found, axis=1)))
+
+    def over_robot(self, values: FloatArray | BoolArray, operation: np.ufunc) -> Any:
+        """Return (T, p) values of contacts put together for their robot: (T, 1), or (T, p) of several."""
+        parts = values.reshape(self.count, self.setting.robots, -1)
+        return self._spread(operation.reduce(parts, axis=2))
+
+    def _spread(self, values: Any) -> Any:
+        """Return (T, robots) values at each robot's contacts, (T, p); those of one robot as they are."""
+        robots = self.setting.robots
+        return values if robots == 1 else np.repeat(values, self.points // robots, axis=1)
 
     def window(self, seconds: float) -> int:
         """Return how many rows a time [s] has, one at least."""

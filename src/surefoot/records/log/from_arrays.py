@@ -220,14 +220,24 @@ def _has_quaternion(name: str, fields: Mapping[str, Any]) -> bool:
     return bool(fields["v"].shape[1] < width) if "v" in fields else bool(width >= 7)
 
 
-def _numpy(name: str, given: Any) -> Any:
-    """Return an array of numbers, from a graphics card too."""
+def host_array(name: str, given: Any) -> Any:
+    """Return an array of real numbers of any kind, from a graphics card too, without a copy where it can.
+
+    Raises
+    ------
+    ProblemError
+        For what holds no real numbers.
+    """
     for method in ("detach", "cpu"):
         given = getattr(given, method)() if hasattr(given, method) else given
     try:
         array = np.asarray(given)
         if array.dtype.kind not in "biuf":
             raise TypeError
-        return array.astype(np.float64)
+        return array
     except (TypeError, ValueError, RuntimeError) as error:
         raise ProblemError(f"array {name} must hold real numbers, got {shown(given)}") from error
+
+
+def _numpy(name: str, given: Any) -> Any:
+    return host_array(name, given).astype(np.float64)

@@ -15,6 +15,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from surefoot.base.arrays import whole_number
+from surefoot.base.cores import cores
 from surefoot.base.errors import ProblemError, check_name, needs
 from surefoot.worlds.sweep.sweep_worker import Row, SweepTask, run_chunk, start_local_worker
 
@@ -231,8 +232,3 @@ def _reach(kind: str, address: str) -> None:
             socket.create_connection((host, int(port)), timeout=10.0).close()
         except (OSError, OverflowError) as error:
             raise ProblemError(f"no {kind} answers at {address}: {error}") from error
-
-
-def cores() -> int:
-    """Return the number of cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
