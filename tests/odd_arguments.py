@@ -136,6 +136,15 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         ),
         {"mu": 0.6, "sliding_mu": (0.3, 0.6), "window": 0.1},
     ),
+    "audit_batch": (
+        lambda forces, mu, mass, done: sf.audit_batch({"forces": forces}, 0.01, mu, mass=mass, done=done),
+        {"forces": np.ones((20, 3, 4, 3)), "mu": 0.6, "mass": 9.0, "done": np.zeros((20, 3), dtype=bool)},
+    ),
+    "StepLaws": (sf.StepLaws, {"feet": 4, "mu": 0.6, "mass": 9.0, "dt": 0.01}),
+    "StepLaws.step": (
+        lambda forces, gaps: sf.StepLaws(4, 0.6, 9.0, 0.01)(forces, gaps),
+        {"forces": np.ones((3, 4, 3)), "gaps": np.zeros((3, 4))},
+    ),
     "read_motion": (
         lambda source, fps: sf.read_motion(source, robot(), fps=fps, order="depth", quaternion="xyzw"),
         {"source": np.tile(robot_of("go2").nominal, (30, 1)), "fps": 30.0},

@@ -33,6 +33,9 @@ def audit(
     price: Annotated[
         bool, typer.Option("--price", help="What sf.record costs beside mj_step, and nothing else.")
     ] = False,
+    batch: Annotated[
+        bool, typer.Option("--batch", help="Thousands of environments at once, beside one after another.")
+    ] = False,
     spoils: Annotated[
         bool, typer.Option("--spoils", help="Contradictions between the channels of lawful logs.")
     ] = False,
@@ -60,6 +63,8 @@ def audit(
     extras.require(["mujoco"])
     if price:
         _price(quick, out, as_json)
+    elif batch:
+        _batch(quick, out, as_json)
     elif spoils:
         _spoils(quick, out, as_json)
     elif gymnasium:
@@ -86,6 +91,25 @@ def _price(quick: bool, out: Path | None, as_json: bool) -> None:
         console.print(table(heads, cells, title))
 
     report(record, as_json, in_words, out=out, name="audit-price")
+
+
+def _batch(quick: bool, out: Path | None, as_json: bool) -> None:
+    from benchmarks.batch_audit import measure
+
+    found = measure(quick)
+
+    def in_words(console: Console) -> None:
+        size = f"{found.environments:,} environments of {found.rows:,} rows"
+        rows = [
+            (f"{size} at once", f"{found.cpu:.3g} s ({found.seconds:.3g} s by the clock)"),
+            (f"one after another (from {found.compared} of them)", f"{found.alone:.3g} s"),
+            ("of those judged otherwise", f"{found.differ}"),
+            ("sf.StepLaws, a step of all: costs alone", f"{found.step:.0f} µs"),
+            ("sf.StepLaws, a step of all: rows kept and judged", f"{found.step_kept:.0f} µs"),
+        ]
+        console.print(table(("audit", "CPU"), rows, "many environments, every second one spoilt"))
+
+    report(asdict(found), as_json, in_words, out=out, name="audit-batch")
 
 
 def _spoils(quick: bool, out: Path | None, as_json: bool) -> None:

@@ -71,6 +71,7 @@ def answers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         "Plan": plan,
         "Log": plan.rows(slice(0, 8)),
         "AuditReport": sf.audit_log(plan),
+        "BatchReport": sf.audit_batch({"forces": np.ones((60, 3, 4, 3))}, 0.01, 0.6, mass=9.0),
         "MotionReport": sf.certify_motion(robot, sf.Motion(robot, np.tile(q, (30, 1)), 30.0, "still")),
         "TossFit": fit(),
         "SweepResult": sweep(tmp_path_factory.mktemp("sweep")),

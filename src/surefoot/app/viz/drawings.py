@@ -57,6 +57,7 @@ DRAWINGS = {
     "motion.Plan": PictureKind("plan_plots:draw_phases", (7.0, 2.8)),
     "records.Log": PictureKind("log_drawings:draw_log", (8.0, 6.4), panels=True),
     "records.AuditReport": PictureKind("story_plots:draw_panels_of_story", (9.0, 7.0), panels=True),
+    "records.BatchReport": PictureKind("batch_plots:draw_broken_laws", (6.4, 3.6)),
     "records.MotionReport": PictureKind(
         "motion_plots:draw_panels_of_motion", (9.0, 6.0), panels=True, page="motion_plots:write_motion_page"
     ),

@@ -121,7 +121,7 @@ def _without_settling(rows: Rows, value: FloatArray) -> FloatArray:
 
 def _work(rows: Rows) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return way [m], friction's work [J] and the most that it could take [J], over windows: (T, p) each."""
-    friction = rows.kept(grip)
+    friction = rows.once(grip)
     own = "contact_creep" in rows.log  # else the limit knows the creep
     w = rows.window(rows.setting.limits.checks.slide_window)
     on = rows.loaded.copy()
@@ -137,22 +137,22 @@ def _work(rows: Rows) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 def _driving(rows: Rows) -> Measured:
     """Work that friction gave [J]: never positive, but regularised friction turns late."""
-    _, work, most = rows.kept(_work)
+    _, work, most = rows.once(_work)
     share = rows.setting.limits.checks.drive_share
     late = rows.setting.limits.laws.slide + 2.0 * rows.setting.stopping
     limit = np.maximum(share * late * rows.setting.weight, share * most)
-    unsure = sliding_sum(rows.kept(grip) * rows.normal * rows.unsure_way, rows.window(_slide_window(rows)))
+    unsure = sliding_sum(rows.once(grip) * rows.normal * rows.unsure_way, rows.window(_slide_window(rows)))
     return over(_without_settling(rows, work), limit + np.maximum(unsure, 0.0))
 
 
 def _sliding(rows: Rows) -> Measured:
     """Way of a contact as if without friction [m]."""
-    way, work, most = rows.kept(_work)
+    way, work, most = rows.once(_work)
     limits = rows.setting.limits.checks
     share = np.clip((limits.brake_share * most + work) / np.maximum(most, 1e-12), 0.0, 1.0)
     value = np.where(most > 0.0, way * share, 0.0)
     creep = 0.0 if "contact_creep" in rows.log else rows.setting.creep
-    unsure = rows.kept(_unsure_ways)
+    unsure = rows.once(_unsure_ways)
     limit = rows.setting.slide_limit + creep * limits.slide_window + unsure
     return over(_without_settling(rows, value), limit)
 
@@ -162,7 +162,7 @@ def longest_unsure_way(rows: Rows) -> FloatArray:
 
     (p,), that of each contact's robot.
     """
-    longest = rows.kept(_unsure_ways).max(axis=0, initial=0.0)
+    longest = rows.once(_unsure_ways).max(axis=0, initial=0.0)
     robots = rows.setting.robots
     return np.repeat(longest.reshape(robots, -1).max(axis=1), len(longest) // robots)
 
@@ -180,7 +180,7 @@ def _bias(rows: Rows) -> Measured:
     """Way on which a pyramid brakes less than the round cone, times the share that it lacks [m]."""
     limits, window = rows.setting.limits.laws, rows.window(rows.setting.limits.checks.slide_window)
     least = limits.least_friction
-    lacks = np.where(rows.mu > least, 1.0 - rows.kept(grip) / np.maximum(rows.mu, least), 0.0)
+    lacks = np.where(rows.mu > least, 1.0 - rows.once(grip) / np.maximum(rows.mu, least), 0.0)
     way = np.hypot(rows.slip[..., 0], rows.slip[..., 1]) * rows.dt[:, None]
     return over(sliding_sum(np.where(rows.loaded, way * lacks, 0.0), window), limits.slide)
 

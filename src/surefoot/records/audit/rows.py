@@ -18,7 +18,7 @@ from surefoot.records.log import Log
 
 Measured: TypeAlias = tuple[FloatArray, FloatArray, BoolArray]
 """Measure, limit, and where it is exceeded: (T, c) each, c the contacts or contacts and body."""
-Kept = TypeVar("Kept")
+Made = TypeVar("Made")
 PAD = 0.15
 """Time before and after a piece that its windows may look at [s]."""
 PIECE = 1 << 15
@@ -56,11 +56,11 @@ class Rows:
         """Return whether the log has all of these channels."""
         return self.points > 0 and not lacking(self.log, names)
 
-    def kept(self, function: Callable[[Rows], Kept]) -> Kept:
+    def once(self, function: Callable[[Rows], Made]) -> Made:
         """Return what a function makes of these rows, made once: several checks look at it."""
         if function not in self._kept:
             self._kept[function] = function(self)
-        found: Kept = self._kept[function]
+        found: Made = self._kept[function]
         return found
 
     def numbers(self, name: str) -> FloatArray:

@@ -40,7 +40,7 @@ class SlideCount:
         """Add the rows of a piece."""
         core, setting = rows.core, self._setting
         keep = ~rows.not_finite[core].any(axis=1)
-        mu = np.ascontiguousarray(np.broadcast_to(rows.kept(grip), rows.normal.shape)[core][keep])
+        mu = np.ascontiguousarray(np.broadcast_to(rows.once(grip), rows.normal.shape)[core][keep])
         f, v = (np.ascontiguousarray(x[core][keep]) for x in (rows.forces, rows.slip))
         v = np.where(np.broadcast_to(rows.swinging, rows.normal.shape)[core][keep][..., None], 0.0, v)
         rules = slide_rules(setting.limits.laws)

@@ -13,7 +13,7 @@ from surefoot.records.audit.batch.batch_report import BatchReport
 from surefoot.records.audit.batch.side_by_side import SIDE_BY_SIDE
 from surefoot.records.audit.report import AuditReport
 
-from .environments import ROWS, soft_facts, spoil, windows
+from .environments import ROWS, soft_facts, spoil_one, windows
 
 LAWS = {check.name for check in SIDE_BY_SIDE if check.law}
 DT = 0.002
@@ -49,7 +49,7 @@ def test_each_environment_is_judged_as_alone(placed: bool, facts: Any) -> None:
     """Forty windows of runs, spoilt in twelve ways, masses from 0.2 to 5 of a Go2's."""
     arrays, masses, mu = windows(40, 1, placed)
     rng = np.random.default_rng(2)
-    kinds = [spoil(arrays, k, rng) for k in range(40)]
+    kinds = [spoil_one(arrays, k, rng) for k in range(40)]
     assert len({*kinds}) == 12
     report = sf.audit_batch(arrays, DT, mu, mass=masses, facts=facts())
     assert len({*report.verdicts}) == 3
@@ -64,7 +64,7 @@ def test_an_environment_does_not_depend_on_its_neighbours() -> None:
     arrays, masses, mu = windows(30, 3)
     rng = np.random.default_rng(4)
     for k in range(30):
-        spoil(arrays, k, rng)
+        spoil_one(arrays, k, rng)
     whole = sf.audit_batch(arrays, DT, mu, mass=masses)
     order = rng.permutation(30)
     mixed = sf.audit_batch(
@@ -87,7 +87,7 @@ def test_units_scale_with_the_weight() -> None:
     arrays, masses, mu = windows(12, 5)
     rng = np.random.default_rng(6)
     for k in range(12):
-        if spoil(arrays, k, rng) in ("lost", "huge"):
+        if spoil_one(arrays, k, rng) in ("lost", "huge"):
             arrays["forces"][:, k] = np.nan_to_num(np.minimum(arrays["forces"][:, k], 1e3))
     one = sf.audit_batch(arrays, DT, mu, mass=masses)
     big = sf.audit_batch({**arrays, "forces": 1e3 * arrays["forces"]}, DT, mu, mass=1e3 * masses)

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from benchmarks.batch_audit import CHANNELS
 from surefoot.records.audit.batch.step_cost import step_cost
 
-from .environments import CHANNELS, ROWS, soft_facts, spoil, windows
+from .environments import ROWS, soft_facts, spoil_one, windows
 
 DT = 0.002
 
@@ -37,19 +38,15 @@ def test_jax_gives_numpys_costs_and_jits() -> None:
     arrays, masses, mu = windows(16, 21)
     rng = np.random.default_rng(22)
     for k in range(16):
-        spoil(arrays, k, rng)
-    step = [
-        np.nan_to_num(np.clip(arrays[n][120], -1e6, 1e6)) for n in ("forces", "gaps", "contact_velocities")
-    ]
+        spoil_one(arrays, k, rng)
+    f, gaps, v = (np.nan_to_num(np.clip(arrays[name][120], -1e6, 1e6)) for name in CHANNELS)
     weight = 9.81 * masses
     with jax.enable_x64(True):
-        expected = step_cost(*step, mu[:, None], weight)
-        found = jax.jit(step_cost)(*map(jax.numpy.asarray, step), mu[:, None], weight)
+        expected = step_cost(f, gaps, v, mu[:, None], weight)
+        found = jax.jit(step_cost)(*map(jax.numpy.asarray, (f, gaps, v)), mu[:, None], weight)
         for one, two in zip(found, expected, strict=True):
             np.testing.assert_allclose(np.asarray(one), two, rtol=1e-12, atol=1e-12)
-        slope = jax.grad(lambda v: step_cost(step[0], step[1], v, 0.5, weight).total.sum())(
-            jax.numpy.zeros_like(step[2])
-        )
+        slope = jax.grad(lambda u: step_cost(f, gaps, u, 0.5, weight).total.sum())(jax.numpy.zeros_like(v))
         assert bool(jax.numpy.isfinite(slope).all())
 
 
@@ -57,11 +54,11 @@ def test_torch_gives_numpys_costs() -> None:
     """The same lines, to rounding, in a reward's own precision."""
     torch = pytest.importorskip("torch")
     arrays, masses, mu = windows(8, 23)
-    step = [torch.as_tensor(arrays[name][100]) for name in CHANNELS]
-    expected = step_cost(*step, mu[:, None], 9.81 * masses)
-    found = step_cost(
-        *map(torch.as_tensor, step), torch.as_tensor(mu[:, None]), torch.as_tensor(9.81 * masses)
-    )
+    given = [*(arrays[name][100] for name in CHANNELS), mu[:, None], 9.81 * masses]
+    f, gaps, v, friction, weight = given
+    expected = step_cost(f, gaps, v, friction, weight)
+    f, gaps, v, friction, weight = map(torch.as_tensor, given)
+    found = step_cost(f, gaps, v, friction, weight)
     for one, two in zip(found, expected, strict=True):
         np.testing.assert_allclose(one.numpy(), two, rtol=1e-12, atol=1e-12)
 
@@ -78,7 +75,7 @@ def test_a_loop_is_judged_as_its_arrays() -> None:
     arrays, masses, mu = windows(10, 24)
     rng = np.random.default_rng(25)
     for k in range(10):
-        spoil(arrays, k, rng)
+        spoil_one(arrays, k, rng)
     done = np.zeros((ROWS, 10), dtype=bool)
     done[90, 3] = done[150] = True
     laws = sf.StepLaws(4, mu, masses, DT, facts=soft_facts(), rows=ROWS)
@@ -97,7 +94,7 @@ def test_stretches_find_what_the_whole_shows() -> None:
     """In stretches of 60 steps: no alarm that the whole does not give, and the single rows' laws in full."""
     arrays, masses, mu = windows(30, 26)
     rng = np.random.default_rng(27)
-    kinds = [spoil(arrays, k, rng) for k in range(30)]
+    kinds = [spoil_one(arrays, k, rng) for k in range(30)]
     laws = sf.StepLaws(["FL", "FR", "RL", "RR"], mu, masses, DT, facts=soft_facts(), rows=60)
     _loop(laws, arrays)
     found = laws.report()

@@ -93,11 +93,11 @@ def audit_batch(
     workers = cores() if threads is None else max(1, whole_number("threads", threads, low=1))
     blocks = _blocks(given)
 
-    def judged(block: IntArray) -> list[tuple[IntArray, Found]]:
+    def judge_block(block: IntArray) -> list[tuple[IntArray, Found]]:
         return [(block[which], found) for which, found in judge(given, given.episodes[block], limits, paid)]
 
     with ThreadPoolExecutor(workers) as pool:
-        parts = [part for several in pool.map(judged, blocks) for part in several]
+        parts = [part for several in pool.map(judge_block, blocks) for part in several]
     return _report(given, _join(parts, len(given.episodes)), limits, paid)
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from surefoot.base.arrays import IntArray, whole_number
+from surefoot.base.drawn import Drawn
 from surefoot.base.errors import ProblemError, check_name, count_of
 from surefoot.records.audit.auditor import audit_log
 from surefoot.records.audit.batch.environments import Environments
@@ -19,7 +20,7 @@ from surefoot.records.log import Log
 
 
 @dataclass(frozen=True, repr=False)
-class BatchReport:
+class BatchReport(Drawn):
     """The audit of many environments; ``report["friction"].share`` is (N,).
 
     Attributes
@@ -82,12 +83,12 @@ class BatchReport:
         return Counter(self.verdicts)
 
     @property
-    def broken(self) -> IntArray:
-        """Numbers of the environments in which a law is broken."""
+    def unlawful(self) -> IntArray:
+        """(k,) numbers of the environments in which a law is broken."""
         return np.flatnonzero([verdict == "broken" for verdict in self.verdicts])
 
     def worst(self, law: str = "", most: int = 5) -> IntArray:
-        """Return the environments that break a law in most of their rows, or any law, the worst first."""
+        """Return the environments (k,) that break a law in most of their rows, or any, the worst first."""
         laws = [self[law]] if law else [one for one in self.laws.values() if one.law]
         share = np.max([one.share for one in laws], axis=0)
         order = np.argsort(-share, kind="stable")[:most]

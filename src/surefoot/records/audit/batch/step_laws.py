@@ -16,6 +16,7 @@ from surefoot.records.audit.batch.join_reports import join_reports
 from surefoot.records.audit.batch.step_cost import StepCost, array_module, step_cost
 from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.log.from_arrays import host_array
+from surefoot.records.log.mapping import name_list
 
 ROWS = 250
 """Steps that are kept until they are judged together."""
@@ -70,8 +71,9 @@ class StepLaws:
         self, feet: int | Sequence[str], mu: Any, mass: Any, dt: float, *,
         facts: Mapping[str, Any] | None = None, rows: int = ROWS, limits: AuditLimits = LIMITS,
     ) -> None:  # fmt: skip
-        self.names = () if isinstance(feet, int) else tuple(map(str, feet))
-        self.feet = whole_number("feet", feet if isinstance(feet, int) else len(self.names), low=1)
+        number = isinstance(feet, int | np.integer)
+        self.names = () if number else tuple(name_list("StepLaws", "feet", feet))
+        self.feet = whole_number("feet", feet if number else len(self.names), low=1)
         self.dt, self.limits = positive_number("dt", dt, "s"), limits
         self.mu, self.mass = real_array("mu", mu), real_array("mass", mass)
         if not (np.isfinite(self.mass) & (self.mass > 0.0)).all() or self.mass.ndim > 1:
@@ -134,6 +136,9 @@ class StepLaws:
             has = tuple(getattr(array, "shape", ()))
             if array is not None and has != wanted:
                 raise ProblemError(f"{name} must have shape {wanted}, got {has}")
+        for name, array in (("forces", forces), ("gaps", gaps), ("velocities", velocities)):
+            if isinstance(array, np.ndarray):  # what is on a device stays there
+                host_array(name, array)
         for name, array in (("mu", self.mu), ("mass", self.mass)):
             if array.ndim and len(array) != shape[0]:
                 raise ProblemError(f"{name} is that of {len(array)} environments, forces has {shape[0]}")
