@@ -13,7 +13,7 @@ Solve
     trajectory_gradient, read_problem, write_problem.
 Check
     can_stand, can_stand_batch, friction_needed, com_region, com_region_batch, audit_log, audit_batch,
-    StepLaws, assert_lawful, seeded_faults, contact_times, summarise_walk, check_proof, residuals,
+    StepLaws, rl, assert_lawful, seeded_faults, contact_times, summarise_walk, check_proof, residuals,
     redundancy, replay_log, certify_motion.
 Walk
     Robot, load_robot, robot_names, place, run, Scenario, Push, Ice, SensorModel, RigidWorld, MujocoWorld,

@@ -1,6 +1,9 @@
 """Names of this wing that other wings use; the modules behind them are its own matter."""
 
 from .audit.auditor import audit_log as audit_log
+from .audit.batch.array_functions import array_module as array_module
+from .audit.batch.array_functions import vector_length as vector_length
+from .audit.batch.step_cost import step_cost as step_cost
 from .audit.summary.walk_summary import summarise_walk as summarise_walk
 from .identification.friction_tracker import FrictionTracker as FrictionTracker
 from .identification.thrown_body import ThrownBody as ThrownBody

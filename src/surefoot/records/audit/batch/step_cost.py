@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Any, NamedTuple
 
-import numpy as np
-
+from surefoot.records.audit.batch.array_functions import array_module, vector_length
 from surefoot.records.audit.limits import LIMITS, AuditLimits
 
 MOST = 1e15
@@ -35,15 +33,6 @@ class StepCost(NamedTuple):
     distance: Any
     work: Any
     total: Any
-
-
-def array_module(*arrays: Any) -> Any:
-    """Return the module whose functions take some arrays: numpy, where none is of JAX or Torch."""
-    names = {type(array).__module__.partition(".")[0] for array in arrays}
-    if "torch" in names:
-        return sys.modules["torch"]
-    # an array of JAX, traced or not, exists only where jax.numpy is loaded
-    return sys.modules["jax.numpy"] if names & {"jax", "jaxlib"} else np
 
 
 def step_cost(
@@ -78,7 +67,7 @@ def step_cost(
     weights = weight[..., None] if getattr(weight, "ndim", 0) else weight
     share = xp.clip(forces / (weights[..., None] if getattr(weights, "ndim", 0) else weights), -MOST, MOST)
     normal = share[..., 2]
-    tangential = _length(xp, share[..., 0], share[..., 1])
+    tangential = vector_length(xp, share[..., 0], share[..., 1])
     loaded = normal > laws.loaded
     none = xp.zeros_like(normal)
     pull = xp.where(normal < -laws.pull, -normal, none)
@@ -89,21 +78,14 @@ def step_cost(
     beyond = xp.where(loaded | (tangential > laws.loaded), beyond, none)
     across = none
     if gaps is not None:
-        size = _length(xp, tangential, normal)
+        size = vector_length(xp, tangential, normal)
         across = xp.where((gaps > laws.penetration) & (size > laws.loaded), size, none)
     drives = none
     if velocities is not None:
         v = xp.clip(velocities, -MOST, MOST)
-        speed = _length(xp, v[..., 0], v[..., 1])
+        speed = vector_length(xp, v[..., 0], v[..., 1])
         slides = speed > laws.sliding_speed
         along = (share[..., 0] * v[..., 0] + share[..., 1] * v[..., 1]) / xp.where(slides, speed, none + 1.0)
         drives = xp.where(slides & loaded, xp.clip(along, 0.0, None), none)
     pulls, grips, leaps, work = (part.sum(-1) for part in (pull, beyond, across, drives))
     return StepCost(pulls, grips, leaps, work, pulls + grips + leaps + work)
-
-
-def _length(xp: Any, x: Any, y: Any) -> Any:
-    """Return the length of a vector; its slope at zero is zero, and no NaN."""
-    square = x**2 + y**2
-    some = square > 0.0
-    return xp.where(some, xp.sqrt(xp.where(some, square, xp.ones_like(square))), xp.zeros_like(square))

@@ -10,10 +10,11 @@ import numpy as np
 from surefoot.base.arrays import FloatArray, positive_number, real_array, whole_number
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY
+from surefoot.records.audit.batch.array_functions import array_module
 from surefoot.records.audit.batch.audit_batch import audit_batch
 from surefoot.records.audit.batch.batch_report import BatchReport
 from surefoot.records.audit.batch.join_reports import join_reports
-from surefoot.records.audit.batch.step_cost import StepCost, array_module, step_cost
+from surefoot.records.audit.batch.step_cost import StepCost, step_cost
 from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.log.from_arrays import host_array
 from surefoot.records.log.mapping import name_list
@@ -71,9 +72,10 @@ class StepLaws:
         self, feet: int | Sequence[str], mu: Any, mass: Any, dt: float, *,
         facts: Mapping[str, Any] | None = None, rows: int = ROWS, limits: AuditLimits = LIMITS,
     ) -> None:  # fmt: skip
-        number = isinstance(feet, int | np.integer)
-        self.names = () if number else tuple(name_list("StepLaws", "feet", feet))
-        self.feet = whole_number("feet", feet if number else len(self.names), low=1)
+        self.names = () if isinstance(feet, int | np.integer) else name_list("StepLaws", "feet", feet)
+        self.feet = whole_number(
+            "feet", feet if isinstance(feet, int | np.integer) else len(self.names), low=1
+        )
         self.dt, self.limits = positive_number("dt", dt, "s"), limits
         self.mu, self.mass = real_array("mu", mu), real_array("mass", mass)
         if not (np.isfinite(self.mass) & (self.mass > 0.0)).all() or self.mass.ndim > 1:

@@ -1,0 +1,5 @@
+"""Contact for whoever trains a policy: `surefoot.rl.terms` of rewards, beside `surefoot.StepLaws`."""
+
+from surefoot.worlds.rl import terms
+
+__all__ = ["terms"]

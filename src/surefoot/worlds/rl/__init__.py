@@ -1,0 +1,1 @@
+"""Terms of rewards and costs about contact, for whoever trains a policy."""

@@ -1,0 +1,127 @@
+"""Terms of rewards against closed forms, SciPy's hulls and differences; JAX and Torch give NumPy's."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import linprog
+from scipy.spatial import ConvexHull
+
+import surefoot as sf
+
+RNG = np.random.default_rng(61)
+N, FEET, WEIGHT = 40, 4, 150.0
+FORCES = RNG.normal(size=(N, FEET, 3)) * [20.0, 20.0, 40.0] + [0.0, 0.0, 30.0]
+GAPS = RNG.uniform(-0.01, 0.05, size=(N, FEET))
+VELOCITIES = RNG.normal(size=(N, FEET, 3))
+PLACES, COM = RNG.normal(size=(N, FEET, 3)), 0.3 * RNG.normal(size=(N, 3))
+TERMS: dict[str, tuple[Callable[..., Any], tuple[Any, ...]]] = {
+    "slip_under_load": (sf.rl.terms.slip_under_load, (FORCES, VELOCITIES)),
+    "cone_use": (lambda f, v, w: sf.rl.terms.cone_use(f, 0.6, w), (FORCES, VELOCITIES)),
+    "foot_impact": (lambda g, v, w: sf.rl.terms.foot_impact(g, v), (GAPS, VELOCITIES)),
+    "unlawful_force": (
+        lambda f, g, v, w: sf.rl.terms.unlawful_force(f, g, v, 0.6, w), (FORCES, GAPS, VELOCITIES)
+    ),
+    "support_margin": (
+        lambda f, p, c, w: sf.rl.terms.support_margin(p, f, c, w), (FORCES, PLACES, COM)
+    ),
+}  # fmt: skip
+
+
+def _distance_outside(points: Any, c: Any) -> float:
+    """Return the distance of a point from a hull by a linear program over many directions, 0 inside."""
+    weights = linprog(np.zeros(len(points)), A_eq=np.vstack([points.T, np.ones(len(points))]), b_eq=[*c, 1.0])
+    if weights.status == 0:
+        return 0.0
+    ends = [(p, q) for p in points for q in points]
+    best = np.inf
+    for p, q in ends:
+        along = q - p
+        share = np.clip((c - p) @ along / max(float(along @ along), 1e-300), 0.0, 1.0)
+        best = min(best, float(np.linalg.norm(p + share * along - c)))
+    return best
+
+
+def test_the_margin_is_that_of_scipys_hull() -> None:
+    """Inside the least distance to a facet, outside minus the distance to the hull."""
+    found = sf.rl.terms.support_margin(PLACES, FORCES, COM, WEIGHT)
+    signs = set()
+    for k in range(N):
+        loaded = FORCES[k, :, 2] > sf.rl.terms.LOADED * WEIGHT
+        points, c = PLACES[k, loaded, :2], COM[k, :2]
+        if not len(points):
+            assert found[k] == -np.inf
+            continue
+        away = _distance_outside(points, c)
+        if len(points) >= 3 and away == 0.0:
+            hull = ConvexHull(points).equations
+            assert found[k] == pytest.approx(-(hull[:, :2] @ c + hull[:, 2]).max(), abs=1e-12)
+        else:
+            assert found[k] == pytest.approx(-away, abs=1e-12)
+        signs.add(bool(found[k] > 0.0))
+    assert signs == {True, False}
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_turning_and_moving_everything_changes_no_margin(seed: int) -> None:
+    """The term knows no axes."""
+    rng = np.random.default_rng(seed)
+    angle, shift = rng.uniform(0.0, 6.28), rng.normal(size=2)
+    R = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    moved = sf.rl.terms.support_margin(
+        PLACES[..., :2] @ R.T + shift, FORCES, COM[:, :2] @ R.T + shift, WEIGHT
+    )
+    np.testing.assert_allclose(moved, sf.rl.terms.support_margin(PLACES, FORCES, COM, WEIGHT), atol=1e-9)
+
+
+def test_corners_lines_and_single_feet_are_borders() -> None:
+    """Upon a corner, on the line of two feet, on the only foot: zero; beside them minus the distance."""
+    feet = np.array([[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [5.0, 5.0]]] * 5)
+    load = np.zeros((5, 4, 3))
+    load[..., 2] = [[50, 50, 50, 0], [50, 50, 0, 0], [50, 0, 0, 0], [50, 0, 0, 0], [50, 50, 0, 0]]
+    com = np.array([[0.0, 0.0], [0.5, 0.0], [0.0, 0.0], [0.3, 0.4], [0.5, 0.2]])
+    found = sf.rl.terms.support_margin(feet, load, com, WEIGHT)
+    np.testing.assert_allclose(found, [0.0, 0.0, 0.0, -0.5, -0.2], atol=1e-15)
+
+
+def test_half_the_load_is_half_of_the_slip() -> None:
+    """No threshold is there to stay below."""
+    one = sf.rl.terms.slip_under_load(np.maximum(FORCES, 0.0), VELOCITIES, WEIGHT)
+    half = sf.rl.terms.slip_under_load(0.5 * np.maximum(FORCES, 0.0), VELOCITIES, WEIGHT)
+    np.testing.assert_allclose(half, 0.5 * one)
+
+
+@pytest.mark.parametrize("name", TERMS)
+def test_jax_gives_numpys_numbers_and_finite_slopes(name: str) -> None:
+    """Jitted, to rounding; slopes are those of differences, and finite where everything rests."""
+    jax = pytest.importorskip("jax")
+    term, arrays = TERMS[name]
+    weight = np.full(N, WEIGHT)
+    with jax.enable_x64(True):
+        expected = term(*arrays, weight)
+        found = jax.jit(term)(*map(jax.numpy.asarray, arrays), jax.numpy.asarray(weight))
+        np.testing.assert_allclose(np.asarray(found), expected, rtol=1e-12, atol=1e-12)
+        finite = np.isfinite(expected)
+        slope = np.asarray(jax.grad(lambda x: term(*arrays[:-1], x, weight)[finite].sum())(arrays[-1]))
+        turn = RNG.normal(size=arrays[-1].shape)
+        ends = [term(*arrays[:-1], arrays[-1] + h * turn, weight)[finite].sum() for h in (1e-7, -1e-7)]
+        assert (slope * turn).sum() == pytest.approx((ends[0] - ends[1]) / 2e-7, rel=1e-4, abs=1e-5)
+        rest = [jax.numpy.zeros_like(array) for array in arrays]
+        still = jax.grad(lambda x: jax.numpy.nan_to_num(term(*rest[:-1], x, weight)).sum())(rest[-1])
+        assert bool(jax.numpy.isfinite(still).all())
+
+
+@pytest.mark.parametrize("name", TERMS)
+def test_torch_gives_numpys_numbers(name: str) -> None:
+    """Eager and compiled, to rounding."""
+    torch = pytest.importorskip("torch")
+    term, arrays = TERMS[name]
+    given_ = [*map(torch.as_tensor, arrays), torch.full((N,), WEIGHT, dtype=torch.float64)]
+    expected = term(*arrays, np.full(N, WEIGHT))
+    for form in (term, torch.compile(term, backend="aot_eager")):
+        np.testing.assert_allclose(form(*given_).numpy(), expected, rtol=1e-12, atol=1e-12)
