@@ -229,5 +229,5 @@ def test_public_functions_and_kernels_say_shapes() -> None:
 def test_the_exported_names_are_found() -> None:
     found = set(_exported())
     assert {"FrictionCone", "solve_batch", "RigidWorld", "HuntCrossley", "SoftFinger", "Log"} <= found
-    values = {"laws", "contact_sets", "__version__"}
+    values = {"laws", "contact_sets", "rl", "__version__"}
     assert set(surefoot.__all__) - found - values <= {"Controller", "Terrain"} | found

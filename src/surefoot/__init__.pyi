@@ -1,7 +1,6 @@
 """Public names of Surefoot and where they live: the one list, for `surefoot` and for type checkers."""
 
 from . import laws as laws
-from . import rl as rl
 from .app.export import export_sequence as export_sequence
 from .app.export import read_sequence as read_sequence
 from .app.export import sequence_from_log as sequence_from_log
@@ -111,5 +110,6 @@ from .worlds.running.scenario import Scenario as Scenario
 from .worlds.running.sensors import SensorModel as SensorModel
 from .worlds.sweep import read_sweep as read_sweep
 from .worlds.sweep import run_sweep as run_sweep
+from .worlds.training import rl as rl
 
 __version__: str

@@ -1,5 +1,5 @@
 """Contact for whoever trains a policy: `surefoot.rl.terms` of rewards, beside `surefoot.StepLaws`."""
 
-from surefoot.worlds.rl import terms
+from surefoot.worlds.training import terms
 
 __all__ = ["terms"]

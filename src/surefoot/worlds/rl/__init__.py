@@ -1,1 +1,0 @@
-"""Terms of rewards and costs about contact, for whoever trains a policy."""
