@@ -52,6 +52,8 @@ class MjcfWorld(MujocoWorld):
         What may touch: "full" for all shapes of the file, "feet" for them and the ground alone.
     solref, solimp
         MuJoCo's softness of feet and ground; None for the file's own.
+    exact, restitution
+        Whether contacts keep Coulomb's law exactly, and their restitution [-]: see `MujocoWorld`.
 
     Raises
     ------
@@ -75,7 +77,10 @@ class MjcfWorld(MujocoWorld):
         payload_position: ArrayLike = (0.0, 0.0, 0.0),
         solref: Sequence[float] | None = None,
         solimp: Sequence[float] | None = None,
+        exact: bool = False,
+        restitution: float = 0.0,
     ) -> None:
+        self._choose_law(exact, restitution, solref is None and solimp is None)
         mujoco = self.mujoco = import_mujoco()
         self.actuators = file_actuators(robot)
         self.robot = with_rotors(robot, self.actuators.armature)
@@ -142,6 +147,8 @@ class MjcfWorld(MujocoWorld):
 
     def softness(self, log: Log) -> dict[str, float]:
         """Return what the softness of feet and ground means in a run; see `MujocoWorld.softness`."""
+        if self.stepper is not None:
+            return super().softness(log)
         load = GRAVITY * (self.robot.mass + self.payload)
         first, ground = int(self._reader.feet.geoms[0]), self.ground_geoms[0]
         rank = [(self.model.geom_priority[g], self.model.geom_solmix[g]) for g in (first, ground)]
