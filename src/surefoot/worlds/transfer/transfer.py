@@ -38,9 +38,9 @@ class WorldTransfer:
     change
         95 % interval of that share less the first world's.
     verdict
-        "lost" or "gained" where the change's interval is on one side of zero and chance alone would make such a
-        change in `CHANCE` of all reports; "nothing to lose" where the first world has no success either, else
-        "not told apart": of few seeds that is no proof of survival.
+        "lost" or "gained" where the change's interval is on one side of zero and chance alone would make such
+        a change in `CHANCE` of all reports; "nothing to lose" where the first world has no success either,
+        else "not told apart": of few seeds that is no proof of survival.
     apart_at
         First instant at which a run is 1e-2 m or rad away from the first world's of the same seed: the middle
         one of the seeds [s]; NaN where no run ever is.
@@ -117,8 +117,8 @@ def transfer(
     """Tell whether a success survives Coulomb's law, stiffer ground, half the step, and other friction.
 
     Every seed is run in every world, from the same state: a seed is a small velocity at the start. Shares of
-    success have 95 % intervals (Wilson's, and Newcombe's of their difference); a loss is called one only where
-    Fisher's exact test says so, too, at a level that the worlds share.
+    success have 95 % intervals (Wilson's, and Newcombe's of their difference); a loss is called one only
+    where Fisher's exact test says so, too, at a level that the worlds share.
 
     Parameters
     ----------
