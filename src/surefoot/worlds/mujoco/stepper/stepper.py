@@ -17,6 +17,7 @@ from surefoot.worlds.mujoco.stepper import addresses
 from surefoot.worlds.mujoco.stepper.implicit import ImplicitInertia
 from surefoot.worlds.mujoco.stepper.impulse_memory import LEAST_ROOM, Impulses, memory_room, read_memory
 from surefoot.worlds.mujoco.stepper.private_model import TOUCHING, PrivateModel, soft_geoms
+from surefoot.worlds.mujoco.stepper.rollouts import RolloutStepper
 from surefoot.worlds.mujoco.stepper.rows import SLOWEST, START, STEP
 from surefoot.worlds.mujoco.stepper.runge_kutta import finish_runge_kutta
 from surefoot.worlds.mujoco.stepper.stage import (
@@ -79,7 +80,7 @@ class StepCertificate(NamedTuple):
     violation: float
 
 
-class MujocoStepper:
+class MujocoStepper(RolloutStepper):
     """`mujoco.mj_step` with Coulomb's law for contacts, and hard limits, equalities and dry friction.
 
     ``stepper.step(data)`` takes the place of ``mujoco.mj_step(model, data)``: collision, actuation, passive
@@ -143,6 +144,7 @@ class MujocoStepper:
         self._mujoco = mujoco = import_mujoco()
         if not isinstance(model, mujoco.MjModel):
             raise ProblemError(f"MujocoStepper takes an MjModel, got {type(model).__name__}")
+        self._made_of = model, {"restitution": restitution, "share": share, "soft": soft, "tol": tol}
         self._private = PrivateModel(mujoco, model, REACH)
         self.model = self._private.model
         self.restitution = real_number("restitution", restitution, low=0.0, high=1.0)
