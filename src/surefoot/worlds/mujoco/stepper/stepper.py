@@ -17,7 +17,6 @@ from surefoot.worlds.mujoco.stepper import addresses
 from surefoot.worlds.mujoco.stepper.implicit import ImplicitInertia
 from surefoot.worlds.mujoco.stepper.impulse_memory import LEAST_ROOM, Impulses, memory_room, read_memory
 from surefoot.worlds.mujoco.stepper.private_model import TOUCHING, PrivateModel, soft_geoms
-from surefoot.worlds.mujoco.stepper.rollouts import RolloutStepper
 from surefoot.worlds.mujoco.stepper.rows import SLOWEST, START, STEP
 from surefoot.worlds.mujoco.stepper.runge_kutta import finish_runge_kutta
 from surefoot.worlds.mujoco.stepper.stage import (
@@ -30,6 +29,7 @@ from surefoot.worlds.mujoco.stepper.stage import (
     VIOLATION,
     exact_stage,
 )
+from surefoot.worlds.mujoco.stepper.step_problem import RESTS, ProblemStepper
 
 SHARE = 0.2
 """Share of a penetration, and of an equality's error, that is undone in a step [-]: beside the motion, so
@@ -39,8 +39,6 @@ REACH = 1e-3
 caught in the step after. A judgement: a foot at 0.5 m/s and 2 ms."""
 ACCEPTED = 1e-6
 """Velocity error over the speed of approach up to which a step is kept [-]; see `StepCertificate`."""
-RESTS = 4.0
-"""Steps of gravity's own speed below which a contact does not bounce: it rests."""
 
 
 class StepperOptions(TypedDict, total=False):
@@ -80,7 +78,7 @@ class StepCertificate(NamedTuple):
     violation: float
 
 
-class MujocoStepper(RolloutStepper):
+class MujocoStepper(ProblemStepper):
     """`mujoco.mj_step` with Coulomb's law for contacts, and hard limits, equalities and dry friction.
 
     ``stepper.step(data)`` takes the place of ``mujoco.mj_step(model, data)``: collision, actuation, passive
