@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,7 +18,7 @@ from surefoot.worlds.interface.world import ground_of
 from surefoot.worlds.mujoco.actuators import Drives
 from surefoot.worlds.mujoco.mujoco_world import HEAVIEST, MujocoWorld, add_ground
 from surefoot.worlds.mujoco.record_softness import world_softness
-from surefoot.worlds.mujoco.spec import add_payload, compile_spec, import_mujoco
+from surefoot.worlds.mujoco.spec import GroundLaw, add_payload, compile_spec, import_mujoco
 
 MATCH = 1e-6
 """Distance between a foot of the robot and the file's sphere for it [m]."""
@@ -50,10 +49,9 @@ class MjcfWorld(MujocoWorld):
         Point mass fixed to the base [kg], unknown to any controller, and its (3,) place there, base axes [m].
     collision
         What may touch: "full" for all shapes of the file, "feet" for them and the ground alone.
-    solref, solimp
-        MuJoCo's softness of feet and ground; None for the file's own.
-    exact, restitution
-        Whether contacts keep Coulomb's law exactly, and their restitution [-]: see `MujocoWorld`.
+    **law
+        ``solref``, ``solimp``: MuJoCo's softness of feet and ground, None for the file's own; ``exact`` and
+        ``restitution`` of `MujocoWorld`.
 
     Raises
     ------
@@ -75,12 +73,9 @@ class MjcfWorld(MujocoWorld):
         *,
         collision: str = "full",
         payload_position: ArrayLike = (0.0, 0.0, 0.0),
-        solref: Sequence[float] | None = None,
-        solimp: Sequence[float] | None = None,
-        exact: bool = False,
-        restitution: float = 0.0,
+        **law: Unpack[GroundLaw],
     ) -> None:
-        self._choose_law(exact, restitution, solref is None and solimp is None)
+        solref, solimp = self._choose_law(**law)
         mujoco = self.mujoco = import_mujoco()
         self.actuators = file_actuators(robot)
         self.robot = with_rotors(robot, self.actuators.armature)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import cast
+from typing import Unpack, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,7 +33,14 @@ from surefoot.worlds.mujoco.readings import pinocchio_state as pinocchio_state
 from surefoot.worlds.mujoco.readings import to_pinocchio
 from surefoot.worlds.mujoco.record_softness import world_softness
 from surefoot.worlds.mujoco.resuming import mujoco_state, resume_mujoco
-from surefoot.worlds.mujoco.spec import CONTACT_TIME, compile_spec, set_point_friction, surface_of
+from surefoot.worlds.mujoco.spec import (
+    CONTACT_TIME,
+    GroundLaw,
+    Softness,
+    compile_spec,
+    set_point_friction,
+    surface_of,
+)
 from surefoot.worlds.mujoco.spec import add_ground as add_ground
 from surefoot.worlds.mujoco.spec import import_mujoco as import_mujoco
 from surefoot.worlds.mujoco.spec import robot_spec as robot_spec
@@ -66,14 +73,13 @@ class MujocoWorld(Remade):
         What may touch: "feet", "full" for all links, with the ground and with each other, or a geometry.
     actuators
         Its motors: "ideal", "real", or a value; see `surefoot.mechanics.robot.actuators`.
-    solref, solimp
-        MuJoCo's softness of the ground, in its own words (`surefoot.translate` has others): time constant and
-        damping ratio [s, -], or minus stiffness and damping; (dmin, dmax, width, midpoint, power), width [m].
-        A solimp of fewer than five numbers takes MuJoCo's defaults for the rest. None for close to rigid.
-    exact
-        Whether contacts keep Coulomb's law exactly, and limits are hard: `MujocoStepper` takes the steps.
-    restitution
-        Of exact contacts [-].
+    **law
+        ``solref``, ``solimp``: MuJoCo's softness of the ground, in its own words (`surefoot.translate` has
+        others): time constant and damping ratio [s, -], or minus stiffness and damping; (dmin, dmax, width,
+        midpoint, power), width [m]. Of fewer than five numbers MuJoCo's defaults are the rest. None for close
+        to rigid.
+        ``exact=True``: contacts keep Coulomb's law exactly and limits are hard, `MujocoStepper` takes the
+        steps; ``restitution`` is of exact contacts [-].
 
     Attributes
     ----------
@@ -109,14 +115,11 @@ class MujocoWorld(Remade):
         *,
         collision: str | Geometry = "feet",
         actuators: str | Actuators = "ideal",
-        solref: Sequence[float] | None = None,
-        solimp: Sequence[float] | None = None,
         payload_position: ArrayLike = (0.0, 0.0, 0.0),
-        exact: bool = False,
-        restitution: float = 0.0,
+        **law: Unpack[GroundLaw],
     ) -> None:
         mujoco = import_mujoco()
-        self._choose_law(exact, restitution, solref is None and solimp is None)
+        solref, solimp = self._choose_law(**law)
         robot, self.actuators = equipped(robot, actuators)
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
         self.terrain, self._own_softness = ground_of(terrain), solref is None
@@ -139,9 +142,11 @@ class MujocoWorld(Remade):
         feet = np.array([int(self.model.geom(f"foot:{n}").id) for n in points.names], dtype=np.int64)
         self._take(feet, int(self.model.body("base:0").id) if robot.floating else 0, geometry is not None)
 
-    def _choose_law(self, exact: bool, restitution: float, own_softness: bool) -> None:
+    def _choose_law(
+        self, solref: Softness = None, solimp: Softness = None, exact: bool = False, restitution: float = 0.0
+    ) -> tuple[Softness, Softness]:
         """Note whose contacts these are; refuse softness of exact ones, and restitution of soft ones."""
-        if exact and not own_softness:
+        if exact and not (solref is None and solimp is None):
             raise ProblemError("solref and solimp are of MuJoCo's soft contacts, exact ones have none")
         if restitution and not exact:
             raise ProblemError(
@@ -149,6 +154,7 @@ class MujocoWorld(Remade):
             )
         self._restitution = real_number("restitution", restitution, low=0.0, high=1.0)
         self._exact = bool(exact)
+        return solref, solimp
 
     @property
     def kind(self) -> str:

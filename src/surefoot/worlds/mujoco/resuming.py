@@ -58,7 +58,7 @@ def mujoco_state(world: Any) -> WorldState:
     world.mujoco.mj_getState(world.model, world.data, physics, spec)
     own: dict[str, Any] = {"physics": physics} | {name: getattr(world.model, name).copy() for name in CHANGED}
     if world.stepper is not None:
-        own |= world.stepper.remembered()._asdict()
+        own |= world.stepper.last_impulses()._asdict()
     reading = copy.deepcopy(world.contacts())
     touching = sorted(world.touching())
     return WorldState(world.kind, _digest_model(world), own, world.applied.copy(), reading, touching)
@@ -66,7 +66,7 @@ def mujoco_state(world: Any) -> WorldState:
 
 def _impulses(own: dict[str, Any]) -> Impulses:
     """Return the impulses of a state, or raise for what cannot be any."""
-    parts = {name: own.get(name) for name in Impulses._fields}
+    parts: dict[str, Any] = {name: own.get(name) for name in Impulses._fields}
     for name, part in parts.items():
         if not isinstance(part, np.ndarray):
             raise ProblemError(f"{name} of the world's state must be an array, got {type(part).__name__}")

@@ -13,7 +13,7 @@ from surefoot.base.errors import ProblemError, SurefootError, located
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot, Terrain, load_robot, read_terrain
 from surefoot.records import Log
-from surefoot.worlds.replay.carried_model import carried_ground, carried_robot, carries_robot
+from surefoot.worlds.replay.recorded_model import ground_of_recording, has_model, robot_of_recording
 
 LONGEST_STEP = 1e-3
 """Longest step of a world that replays [s]; rows farther apart are replayed in several steps."""
@@ -80,7 +80,7 @@ def _task(log: Log, robot: Robot | None, terrain: Terrain | None, mu: float | No
     """Return what a log with all that a replay needs tells of it."""
     try:
         robot = _robot_of(log) if robot is None else robot
-        ground = terrain or carried_ground(log) if "terrain" not in log.facts else terrain
+        ground = terrain or ground_of_recording(log) if "terrain" not in log.facts else terrain
         ground = read_terrain(str(log.fact("terrain"))) if ground is None else ground
     except SurefootError as error:
         raise ProblemError(str(error)) from error
@@ -105,16 +105,16 @@ def _task(log: Log, robot: Robot | None, terrain: Terrain | None, mu: float | No
 
 
 def _robot_of(log: Log) -> Robot:
-    """Return the robot of the model that a log carries, else the one that it names."""
-    return carried_robot(log) if carries_robot(log) else load_robot(str(log.fact("robot")))
+    """Return the robot of the model that a log holds, else the one that it names."""
+    return robot_of_recording(log) if has_model(log) else load_robot(str(log.fact("robot")))
 
 
 def _missing(log: Log, robot: Robot | None, terrain: Terrain | None, mu: float | None) -> list[str]:
     """Return what is neither in the log nor given."""
     out = [f"channel {name}" for name in ("q", "v", "torques") if name not in log]
-    if robot is None and "robot" not in log.facts and not carries_robot(log):
+    if robot is None and "robot" not in log.facts and not has_model(log):
         out.append("fact robot (give robot)")
-    if terrain is None and "terrain" not in log.facts and carried_ground(log) is None:
+    if terrain is None and "terrain" not in log.facts and ground_of_recording(log) is None:
         out.append("fact terrain (give terrain)")
     if mu is None and "mu" not in log and "contact_friction" not in log:
         out.append("friction mu (give mu)")

@@ -61,7 +61,7 @@ class ModelTrials:
 
     def run(self, variant: Variant, seed: int) -> TrialRun:
         """Return a run in a world."""
-        mujoco, model = self._mujoco, self._changed(variant)
+        mujoco, model = self._mujoco, self._model_of(variant)
         data = mujoco.MjData(model)
         data.qpos[:] = self._start
         data.qvel[:] = SPREAD * np.random.default_rng(seed).normal(size=model.nv)
@@ -90,7 +90,7 @@ class ModelTrials:
         good = self._stands(model, data, height, up) if self._success is None else self._success(model, data)
         return TrialRun(bool(good), times, rows, forces, 0 if stepper is None else stepper.unsolved)
 
-    def _changed(self, variant: Variant) -> Any:
+    def _model_of(self, variant: Variant) -> Any:
         """Return a copy of the model as a world has it."""
         model = copy.copy(self._model)
         if variant.halved:

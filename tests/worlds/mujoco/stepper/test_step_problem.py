@@ -62,9 +62,9 @@ def test_other_solvers_find_what_the_stepper_found(name: str) -> None:
 def test_the_step_goes_where_its_problem_says(name: str) -> None:
     """The sum of a step's forces is that of the problem's impulses, and asking changed nothing."""
     model, data, stepper = begin(name)
-    before = data.qpos.copy(), data.qvel.copy(), *stepper.remembered()
+    before = data.qpos.copy(), data.qvel.copy(), *stepper.last_impulses()
     found, again = stepper.problem(data), stepper.problem(data)
-    for one, two in zip(before, (data.qpos, data.qvel, *stepper.remembered()), strict=True):
+    for one, two in zip(before, (data.qpos, data.qvel, *stepper.last_impulses()), strict=True):
         np.testing.assert_array_equal(one, two)
     np.testing.assert_array_equal(found.impulses, again.impulses)
     stepper.step(data)

@@ -80,7 +80,7 @@ class ProblemStepper(RolloutStepper):
             of contact here has, or with the integrator implicit where its inertia is not symmetric.
         """
         mujoco, other, here = import_mujoco(), self.twin(), copy.copy(data)
-        other.resume(here, self.remembered())  # type: ignore[attr-defined]
+        other.resume(here, self.last_impulses())  # type: ignore[attr-defined]
         other.step_first(here)
         mujoco.mj_fwdActuation(other.model, here)
         mujoco.mj_fwdAcceleration(other.model, here)

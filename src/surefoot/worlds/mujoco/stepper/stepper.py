@@ -190,7 +190,7 @@ class MujocoStepper(ProblemStepper):
         """Forget the last impulses: the next step starts from none."""
         self._told[LAST] = 0.0
 
-    def remembered(self) -> Impulses:
+    def last_impulses(self) -> Impulses:
         """Return a copy of the impulses that the next step starts from, for `resume`."""
         return Impulses.of(self._memory, int(self._told[LAST]))
 

@@ -1,4 +1,4 @@
-"""The robot and the ground that a recording carries, for who has neither its file nor its name.
+"""The robot and the ground of a recording, where neither its file nor its name is at hand.
 
 A recording keeps bodies, joints and shapes of its model as facts. Written as MJCF they are a robot like any
 other, whose feet are the shapes that touched and are feet by the model; links and what else the model had
@@ -27,17 +27,17 @@ NEEDED = (
     "model_joint_kinds", "model_geoms", "model_geom_bodies", "model_geom_types", "model_geom_sizes",
     "model_geom_positions", "model_geom_orientations", "feet", "contact_foot", "contact_is_foot", "joints",
 )  # fmt: skip
-"""Facts without which no robot is carried."""
+"""Facts without which no robot is loaded."""
 LEVEL = 2e-3
 """Height above or below zero of points that touch, for a ground that is called level [m]."""
 
 
-def carries_robot(log: Log) -> bool:
+def has_model(log: Log) -> bool:
     """Return whether a log keeps the model that it was recorded with."""
     return "model_bodies" in log.facts
 
 
-def carried_robot(log: Log) -> Robot:
+def robot_of_recording(log: Log) -> Robot:
     """Return the robot of the model that a recording keeps.
 
     Raises
@@ -58,12 +58,12 @@ def carried_robot(log: Log) -> Robot:
         raise ProblemError(f"its gravity is {gravity.tolist()}, replays take 9.81 m/s² downwards")
     root, feet = _write(log, kinds)
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "carried.xml"
+        path = Path(folder) / "recorded.xml"
         path.write_text(ElementTree.tostring(root, encoding="unicode"), encoding="utf-8")
         return load_robot(path, feet)
 
 
-def carried_ground(log: Log) -> Terrain | None:
+def ground_of_recording(log: Log) -> Terrain | None:
     """Return level ground where all that a recording touched lay at height zero, else None."""
     if not {"normals", "contact_positions", "forces", "gaps"} <= set(log):
         return None
@@ -79,14 +79,14 @@ def _write(log: Log, kinds: list[str]) -> tuple[ElementTree.Element, list[str]]:
     """Return the model as MJCF, and its links with feet."""
     part = {name: np.asarray(log.fact(name)) for name in NEEDED if name.startswith("model_")}
     bodies, joints = [str(name) for name in part["model_bodies"]], [str(name) for name in log.fact("joints")]
-    root = ElementTree.Element("mujoco", model=str(log.facts.get("robot", "")) or "carried")
+    root = ElementTree.Element("mujoco", model=str(log.facts.get("robot", "")) or "recorded")
     ElementTree.SubElement(root, "compiler", angle="radian", autolimits="true")
     world = ElementTree.SubElement(root, "worldbody")
     nodes: list[ElementTree.Element] = []
     for k, name in enumerate(bodies):
         parent = int(part["model_parents"][k])
         pose = {"pos": _text(part["model_positions"][k]), "quat": _text(part["model_orientations"][k])}
-        node = ElementTree.SubElement(world if parent < 0 else nodes[parent], "body", name=name, **pose)
+        node = ElementTree.SubElement(world if parent < 0 else nodes[parent], "body", {"name": name, **pose})
         nodes.append(node)
         _add_inertia(node, part, k)
         if k == 0:
@@ -96,10 +96,11 @@ def _write(log: Log, kinds: list[str]) -> tuple[ElementTree.Element, list[str]]:
     for j, name in enumerate(joints):
         low, high = np.asarray(log.facts.get("model_joint_ranges", np.full((len(joints), 2), np.inf)))[j]
         limited = {"range": _text((low, high))} if np.isfinite((low, high)).all() and low < high else {}
-        ElementTree.SubElement(
-            nodes[int(part["model_joint_bodies"][j])], "joint", name=name, type=kinds[j + 1],
-            axis=_text(part["model_joint_axes"][j]), pos=_text(part["model_joint_places"][j]), **limited,
-        )  # fmt: skip
+        joint = {
+            "name": name, "type": kinds[j + 1], "axis": _text(part["model_joint_axes"][j]),
+            "pos": _text(part["model_joint_places"][j]), **limited,
+        }  # fmt: skip
+        ElementTree.SubElement(nodes[int(part["model_joint_bodies"][j])], "joint", joint)
         if np.isfinite(limits[j]) and limits[j] > 0.0:
             ElementTree.SubElement(actuators, "motor", joint=name, ctrlrange=_text((-limits[j], limits[j])))
     feet = _add_feet(log, part, nodes)
@@ -108,7 +109,7 @@ def _write(log: Log, kinds: list[str]) -> tuple[ElementTree.Element, list[str]]:
 
 
 def _add_inertia(node: ElementTree.Element, part: dict[str, Any], k: int) -> None:
-    """Give a link its mass; one without any is carried by its neighbours."""
+    """Give a link its mass; a link may have none."""
     if part["model_masses"][k] > 0.0:
         ElementTree.SubElement(
             node, "inertial", mass=_text([part["model_masses"][k]]), pos=_text(part["model_centres"][k]),

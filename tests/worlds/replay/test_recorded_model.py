@@ -1,4 +1,4 @@
-"""Replays of recordings from the model that they carry: nobody names a robot."""
+"""Replays of recordings from the model that they hold: nobody names a robot."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 
 import surefoot as sf
 from surefoot.base.errors import ProblemError
-from surefoot.worlds.replay.carried_model import carried_ground, carried_robot
+from surefoot.worlds.replay.recorded_model import ground_of_recording, robot_of_recording
 from tests.records.audit.logs import changed
 
 mujoco = pytest.importorskip("mujoco")
@@ -35,20 +35,20 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Any:
     return sf.read_log(path)
 
 
-def test_the_carried_robot_is_that_of_the_file(recording: Any) -> None:
+def test_the_robot_of_recording_is_that_of_the_file(recording: Any) -> None:
     """Masses, joints and places of links, against the robot that is loaded from the file itself."""
-    own, carried = sf.load_robot(SERVOS, feet=FEET), carried_robot(recording)
-    assert carried.joint_names == own.joint_names
-    assert carried.mass == pytest.approx(own.mass, rel=1e-12)
-    np.testing.assert_allclose(carried.effort_limits, own.effort_limits)
+    own, loaded = sf.load_robot(SERVOS, feet=FEET), robot_of_recording(recording)
+    assert loaded.joint_names == own.joint_names
+    assert loaded.mass == pytest.approx(own.mass, rel=1e-12)
+    np.testing.assert_allclose(loaded.effort_limits, own.effort_limits)
     rng = np.random.default_rng(2)
     for _ in range(5):
         q, v = own.nominal.copy(), rng.normal(size=18)
         q[7:] += 0.2 * rng.normal(size=12)
-        one, two = (pinocchio.rnea(r.model, r.model.createData(), q, v, np.ones(18)) for r in (own, carried))
+        one, two = (pinocchio.rnea(r.model, r.model.createData(), q, v, np.ones(18)) for r in (own, loaded))
         np.testing.assert_allclose(one, two, rtol=1e-9, atol=1e-9)
-        np.testing.assert_allclose(carried.foot_positions(q), own.foot_positions(q), atol=1e-9)
-    assert carried_ground(recording) is not None
+        np.testing.assert_allclose(loaded.foot_positions(q), own.foot_positions(q), atol=1e-9)
+    assert ground_of_recording(recording) is not None
 
 
 def test_a_recording_is_replayed_without_a_name(recording: Any) -> None:
@@ -87,6 +87,6 @@ def test_a_model_that_is_no_robot_is_refused_in_a_line(
 def test_ground_that_is_not_level_is_asked_for(recording: Any) -> None:
     tilted = np.asarray(recording["normals"]) + np.array([0.2, 0.0, 0.0])
     other = changed(recording, normals=tilted / np.linalg.norm(tilted, axis=-1, keepdims=True))
-    assert carried_ground(other) is None
+    assert ground_of_recording(other) is None
     with pytest.raises(ProblemError, match="give terrain"):
         sf.replay_log(other, "mujoco-exact")
