@@ -38,7 +38,10 @@ class ModelTrials:
         self, model: Any, control: Any, duration: float | None, start: Any, success: Loop | None
     ) -> None:
         self._mujoco, self._model, self._control = import_mujoco(), model, control
-        step = float(model.opt.timestep)
+        kinds, step = self._mujoco.mjtWarning, float(model.opt.timestep)
+        self._lost = [
+            int(kind) for kind in (kinds.mjWARN_BADQPOS, kinds.mjWARN_BADQVEL, kinds.mjWARN_BADQACC)
+        ]
         if callable(control):
             self._actions = None
             if duration is None:
@@ -84,7 +87,7 @@ class ModelTrials:
             for _ in range(parts):
                 advance()
                 self._add_forces(reader, data, forces, k, 1.0 / parts)
-            if not np.isfinite(data.qpos).all() or data.time <= times[k]:
+            if not np.isfinite(data.qpos).all() or any(data.warning[w].number for w in self._lost):
                 # MuJoCo resets what it loses: that is no success, whatever comes of it
                 return TrialRun(False, times, rows, forces, 0 if stepper is None else stepper.unsolved)
         good = self._stands(model, data, height, up) if self._success is None else self._success(model, data)
