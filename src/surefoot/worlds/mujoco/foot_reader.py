@@ -126,8 +126,8 @@ class FootReader:
     feet
         The spheres of the feet.
     ahead
-        How long after MuJoCo's places gaps are to be told, by the contacts' velocities [s]: exact impulses
-        are tied to the gaps at a step's end, as its velocities are.
+        How long after MuJoCo's places the gaps of contacts that press are, by their velocities [s]: exact
+        impulses are tied to the gaps at a step's end, as its velocities are.
     """
 
     ahead = 0.0
@@ -169,7 +169,7 @@ class FootReader:
         if over is not None:
             gaps, normals = over
         if self.ahead:
-            gaps += self.ahead * velocities[:, 2]
+            gaps += np.where(forces[:, 2] > 0.0, self.ahead * velocities[:, 2], 0.0)
         others = None
         if links is not None:
             # joints at their stops count, too
