@@ -61,7 +61,7 @@ def torque_line(summary: RunSummary) -> str:
 def world_lines(summary: RunSummary) -> list[str]:
     """Return what is said about where the run took place: a line, or none."""
     soft = summary.unsolved_steps
-    left = f"; contacts of {soft} steps were not solved, and are MuJoCo's soft ones" if soft else ""
+    left = f"; steps whose contacts were not solved, and are MuJoCo's soft ones: {soft}" if soft else ""
     return [f"world: {summary.world}{left}"] if summary.world else []
 
 
