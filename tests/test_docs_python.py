@@ -11,7 +11,7 @@ from tests.pages import blocks, run_page
 
 RUN = (
     "bodies.md", "contact-sets.md", "add-a-contact-law.md", "add-a-solver.md", "loads.md", "lab.md",
-    "first-steps.md", "pictures.md", "certify.md", "many-environments.md",
+    "first-steps.md", "pictures.md", "certify.md", "many-environments.md", "mujoco-exact.md",
     pytest.param("robot-loop.md", marks=pytest.mark.long),
 )  # fmt: skip
 """Pages whose blocks are one program."""

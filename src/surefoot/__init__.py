@@ -14,7 +14,7 @@ Solve
 Check
     can_stand, can_stand_batch, friction_needed, com_region, com_region_batch, audit_log, audit_batch,
     StepLaws, rl, assert_lawful, seeded_faults, contact_times, summarise_walk, check_proof, residuals,
-    redundancy, replay_log, certify_motion.
+    redundancy, replay_log, certify_motion, transfer.
 Walk
     Robot, load_robot, robot_names, place, run, Scenario, Push, Ice, SensorModel, RigidWorld, MujocoWorld,
     Body, Scene, SceneWorld, Controller, Command, RobotState, StandingController, StandingPlan,

@@ -111,5 +111,6 @@ from .worlds.running.sensors import SensorModel as SensorModel
 from .worlds.sweep import read_sweep as read_sweep
 from .worlds.sweep import run_sweep as run_sweep
 from .worlds.training import rl as rl
+from .worlds.transfer.transfer import transfer as transfer
 
 __version__: str

@@ -27,6 +27,7 @@ from .laws.soft.mujoco import MujocoLaw as MujocoLaw
 from .laws.soft.soft_law import ExactFriction as ExactFriction
 from .laws.soft.soft_law import SoftLaw as SoftLaw
 from .laws.soft.spring_damper import SpringDamper as SpringDamper
+from .problem import contact_sets as contact_sets
 from .problem.problem import ContactProblem as ContactProblem
 from .rows.blocks import CONE_ROWS as CONE_ROWS
 from .rows.blocks import DRY_ROW as DRY_ROW

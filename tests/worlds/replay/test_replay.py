@@ -176,7 +176,9 @@ def test_what_cannot_be_replayed_is_told_in_a_line(spoil: object, told: str) -> 
 
 
 def test_worlds_are_checked() -> None:
-    with pytest.raises(ProblemError, match="unknown world 'moon'; valid names: bullet, drake, mujoco, rigid"):
+    with pytest.raises(
+        ProblemError, match="unknown world 'moon'; valid names: bullet, drake, mujoco, mujoco-exact, rigid"
+    ):
         replay_log(log_of(STAND), "moon")
 
 

@@ -57,9 +57,12 @@ def test_a_displaced_body_keeps_its_feet(jump: Reference) -> None:
     np.testing.assert_allclose(rotation_log(turned), surprise.turn, atol=1e-9)
 
 
-@pytest.mark.parametrize("limits", [pytest.param("box", marks=pytest.mark.long), "curve"])
-def test_surprises_are_survived(jump: Reference, limits: str) -> None:
-    done = execute(jump, "mujoco", limits, 4, dt=1e-3)
+@pytest.mark.parametrize(
+    ("world", "limits"),
+    [("mujoco", "curve"), ("mujoco-exact", "curve"), pytest.param("mujoco", "box", marks=pytest.mark.long)],
+)
+def test_surprises_are_survived(jump: Reference, world: str, limits: str) -> None:
+    done = execute(jump, world, limits, 4, dt=1e-3)
     assert done.landed, done.why
     assert done.verdict == "lawful"
     assert done.log.facts["mass"] == pytest.approx(ROBOT.mass * done.surprise.mass)
@@ -88,7 +91,7 @@ def test_a_plan_from_a_file_has_the_same_limits(tmp_path: Path) -> None:
 
 
 def test_what_is_refused(jump: Reference) -> None:
-    with pytest.raises(sf.ProblemError, match=r"mujoco and rigid"):
+    with pytest.raises(sf.ProblemError, match="worlds mujoco, mujoco-exact, rigid"):
         execute(jump, "drake")
     with pytest.raises(sf.ProblemError, match=r"box.*curve"):
         execute(jump, "mujoco", "strong")

@@ -54,6 +54,9 @@ CASES: dict[str, dict[str, Any]] = {
     "map": {"terrain": "stairs:0.1,0.3", "knowledge": "map", "scanner": RangeSensor(), "seed": 7},
     "blind": {"terrain": "rough:3,0.06", "knowledge": "blind", "substeps": 8},
     "soft": {"solref": (0.03, 0.9)},
+    "exact": {"world": "exact"},
+    "exact-full": {"world": "exact", "collision": "full", "actuators": "real", "substeps": 2},
+    "exact-g1": {"world": "exact", "robot": "g1"},
 }  # fmt: skip
 
 
@@ -64,7 +67,9 @@ def made(name: str) -> tuple[Any, Any, sf.Scenario]:
     terrain, knowledge = case.pop("terrain", "flat"), case.pop("knowledge", "exact")
     wired, watch, substeps = case.pop("wired", False), case.pop("watch", False), case.pop("substeps", 1)
     pushes = tuple(sf.Push(*push) for push in case.pop("pushes", PUSHES))
-    kind = {"mujoco": sf.MujocoWorld, "rigid": sf.RigidWorld}[case.pop("world", "mujoco")]
+    kind = {"mujoco": sf.MujocoWorld, "rigid": sf.RigidWorld, "exact": partial(sf.MujocoWorld, exact=True)}[
+        case.pop("world", "mujoco")
+    ]
     given = {key: case.pop(key) for key in ("collision", "actuators", "solref") if key in case}
     world = kind(robot, read_terrain(terrain, "terrain"), 0.6, **given)
     if substeps > 1:

@@ -134,7 +134,7 @@ class RunOptions(Ground, Physics, Leaving):
         from surefoot.mechanics.robot.mjcf import is_mjcf
 
         mjcf = self.robot is not None and is_file(self.robot) and is_mjcf(Path(self.robot))
-        return self.robot if mjcf and self.world == "mujoco" else None
+        return self.robot if mjcf and self.world in ("mujoco", "mujoco-exact") else None
 
     def check(self, shortest: float, planner: str = "convex") -> None:
         """Refuse, before any work, numbers that no run can have, and what cannot be shown.

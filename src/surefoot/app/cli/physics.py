@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 _PLAIN = {"collision": "feet", "actuators": "ideal"}
 """What every world is unless asked for more."""
 _OWNERS = {
-    "law": ("rigid",), "solref": ("mujoco",), "solimp": ("mujoco",), "substeps": ("mujoco",),
-    "collision": ("mujoco", "rigid"), "actuators": ("mujoco", "rigid"),
+    "law": ("rigid",), "solref": ("mujoco",), "solimp": ("mujoco",), "substeps": ("mujoco", "mujoco-exact"),
+    "collision": ("mujoco", "mujoco-exact", "rigid"), "actuators": ("mujoco", "mujoco-exact", "rigid"),
 }  # fmt: skip
 """What is said -> the worlds that take it."""
 _IN_A_FILE = ("solref", "solimp", "substeps", "collision")
@@ -84,7 +84,8 @@ def build_world(asked: RunOptions, robot: Robot, terrain: Terrain, settings: dic
     else:
         from surefoot.worlds.mujoco.mjcf_world import MjcfWorld
 
-        settings = {"collision": "feet", "payload_position": place, **settings}
+        exact = asked.world == "mujoco-exact"
+        settings = {"collision": "feet", "payload_position": place, "exact": exact, **settings}
         world = MjcfWorld(robot, file, terrain, mu, payload=mass, **settings)
     if parts != 1 or file is not None:  # only MuJoCo's is asked
         cast("MujocoWorld", world).divide(parts)

@@ -73,7 +73,8 @@ def plan(
     payload: Annotated[float, typer.Option(help="Mass on the base that the plan knows of [kg].")] = 0.0,
     jumping: JumpOptions,
     execute: Annotated[
-        str | None, typer.Option(help="World to carry it out in: mujoco. The audit judges the run.")
+        str | None,
+        typer.Option(help="World to carry it out in: mujoco or mujoco-exact. The audit judges the run."),
     ] = None,
     leaving: options.Leaving,
 ) -> int:
@@ -91,7 +92,7 @@ def plan(
     robot, task, amount = _words(wanted)
     found = find_task(task)
     if execute is not None:
-        check_name("world of --execute", execute, ("mujoco",))
+        check_name("world of --execute", execute, ("mujoco", "mujoco-exact"))
         if not found.robots:
             raise ProblemError(f"--execute is of robots on legs; the task {task} has a body of its own")
     check_out(leaving.out)

@@ -60,7 +60,9 @@ def torque_line(summary: RunSummary) -> str:
 
 def world_lines(summary: RunSummary) -> list[str]:
     """Return what is said about where the run took place: a line, or none."""
-    return [f"world: {summary.world}"] if summary.world else []
+    soft = summary.unsolved_steps
+    left = f"; steps whose contacts were not solved, and are MuJoCo's soft ones: {soft}" if soft else ""
+    return [f"world: {summary.world}{left}"] if summary.world else []
 
 
 def motor_lines(summary: RunSummary) -> list[str]:

@@ -44,7 +44,7 @@ def walk(context: typer.Context, *, asked: WalkOptions, learned: PolicyOptions) 
     belief, command, wired = asked.beliefs(said), asked.command(said), asked.wiring(said)
     settings, ground = physics.world_settings(asked, said), asked.read()
     of_file = asked.world_file is not None
-    if asked.world == "mujoco" and not of_file:
+    if asked.world in ("mujoco", "mujoco-exact") and not of_file:
         settings.setdefault("substeps", substeps_of(ground, asked.terrain_knowledge))
     # of the true state; sensors have their own
     level = said.noise or 0.0 if said.estimator == "truth" else 0.0

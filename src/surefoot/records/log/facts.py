@@ -62,6 +62,7 @@ FACTS: dict[str, Fact] = {
     "creep": Fact("how fast it lets a sticking foot creep [m/s]"),
     "stopping": Fact("on which way its friction stops a foot that lands sliding [m]"),
     "settling": Fact("how long after a hard touchdown its soft contacts swing [s]"),
+    "unsolved_steps": Fact("steps whose contacts the world was to solve exactly, and solved softly"),
     "terrain": Fact("the ground, as read_terrain reads it", text=True),
     "mass": Fact("of all that moves: the robot with what it carries [kg]", positive=True),
     "payload": Fact("point mass on the base, part of `mass` [kg]"),

@@ -59,7 +59,10 @@ def _bounce(world: str, dt: float) -> Measured:
     low = int(np.argmax(rising))
     top = float(gap[low + int(np.argmin(rising[low:]))])
     e = RESTITUTION
-    if world != "rigid":  # the ground is a spring: the law's own bounce, gravity included
+    if world not in (
+        "rigid",
+        "mujoco-exact",
+    ):  # the ground is a spring: the law's own bounce, gravity included
         law = SpringDamper.bouncing(STIFFNESS, RESTITUTION, MASS)
         e = behaviour(law, MASS, math.sqrt(2.0 * GRAVITY * HOP)).restitution
     return (MeasuredQuantity("height of the bounce", "m", top, e**2 * HOP),)

@@ -32,7 +32,7 @@ def hard(world: str, dt: float) -> dict[str, Any]:
 
 def bouncing(world: str, restitution: float, mass: float, stiffness: float, dt: float) -> dict[str, Any]:
     """Return a world's options for bounces: Newton's coefficient, or a spring-damper of that restitution."""
-    if world == "rigid":
+    if world in ("rigid", "mujoco-exact"):
         return {"restitution": restitution}
     law = SpringDamper.bouncing(stiffness, restitution, mass)
     if world != "mujoco":

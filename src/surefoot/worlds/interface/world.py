@@ -89,6 +89,11 @@ class World(Protocol):
         """Change the friction of the ground [-] everywhere, from the next step on."""
 
 
+def kind_of(world: World) -> str:
+    """Return what kind of world one is: its class, or what it says of itself as `kind`."""
+    return str(getattr(world, "kind", type(world).__name__))
+
+
 def ground_of(terrain: Terrain | None) -> Terrain:
     """Return the terrain that a world is given, flat ground for None.
 

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from surefoot.mechanics import Actuators
-from surefoot.worlds.interface.world import World
+from surefoot.worlds.interface.world import World, kind_of
 
 
 def facts_before(world: World) -> dict[str, Any]:
     """Return what is known of a world before the run: robot, terrain, mass, payload, motors, substeps."""
     robot, payload = world.robot, float(getattr(world, "payload", 0.0))
     out: dict[str, Any] = {
-        "robot": robot.name, "world": type(world).__name__, "dt": world.dt,
+        "robot": robot.name, "world": kind_of(world), "dt": world.dt,
         "feet": list(robot.foot_names), "joints": list(robot.joint_names),
         "contact_foot": world.contact_foot,
         "contact_centres": np.vstack([foot.centres for foot in robot.feet]),

@@ -15,13 +15,14 @@ WORLDS: LazyTable[Callable[..., World]] = LazyTable(
     "world",
     {
         "mujoco": "surefoot.worlds.mujoco.mujoco_world:MujocoWorld",
+        "mujoco-exact": "surefoot.worlds.mujoco.exact_world:MujocoExactWorld",
         "rigid": "surefoot.worlds.rigid.rigid_world:RigidWorld",
         "drake": "surefoot.worlds.drake.drake_world:DrakeWorld",
         "bullet": "surefoot.worlds.bullet.bullet_world:BulletWorld",
     },
 )
 """Name to class."""
-PACKAGES = {"mujoco": ("mujoco",), "drake": ("drake",), "bullet": ("pybullet",)}
+PACKAGES = {"mujoco": ("mujoco",), "mujoco-exact": ("mujoco",), "drake": ("drake",), "bullet": ("pybullet",)}
 """Optional packages of the worlds that need any."""
 
 

@@ -125,7 +125,12 @@ class FootReader:
     ----------
     feet
         The spheres of the feet.
+    ahead
+        How long after MuJoCo's places the gaps of contacts that press are, by their velocities [s]: exact
+        impulses are tied to the gaps at a step's end, as its velocities are.
     """
+
+    ahead = 0.0
 
     def __init__(
         self, mujoco: Any, model: Any, data: Any, robot: Robot, terrain: Terrain, feet: IntArray,
@@ -163,6 +168,8 @@ class FootReader:
         ))  # fmt: skip
         if over is not None:
             gaps, normals = over
+        if self.ahead:
+            gaps += np.where(forces[:, 2] > 0.0, self.ahead * velocities[:, 2], 0.0)
         others = None
         if links is not None:
             # joints at their stops count, too

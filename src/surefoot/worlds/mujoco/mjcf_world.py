@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,7 +18,7 @@ from surefoot.worlds.interface.world import ground_of
 from surefoot.worlds.mujoco.actuators import Drives
 from surefoot.worlds.mujoco.mujoco_world import HEAVIEST, MujocoWorld, add_ground
 from surefoot.worlds.mujoco.record_softness import world_softness
-from surefoot.worlds.mujoco.spec import add_payload, compile_spec, import_mujoco
+from surefoot.worlds.mujoco.spec import GroundLaw, add_payload, compile_spec, import_mujoco
 
 MATCH = 1e-6
 """Distance between a foot of the robot and the file's sphere for it [m]."""
@@ -50,8 +49,9 @@ class MjcfWorld(MujocoWorld):
         Point mass fixed to the base [kg], unknown to any controller, and its (3,) place there, base axes [m].
     collision
         What may touch: "full" for all shapes of the file, "feet" for them and the ground alone.
-    solref, solimp
-        MuJoCo's softness of feet and ground; None for the file's own.
+    **law
+        ``solref``, ``solimp``: MuJoCo's softness of feet and ground, None for the file's own; ``exact`` and
+        ``restitution`` of `MujocoWorld`.
 
     Raises
     ------
@@ -73,9 +73,9 @@ class MjcfWorld(MujocoWorld):
         *,
         collision: str = "full",
         payload_position: ArrayLike = (0.0, 0.0, 0.0),
-        solref: Sequence[float] | None = None,
-        solimp: Sequence[float] | None = None,
+        **law: Unpack[GroundLaw],
     ) -> None:
+        solref, solimp = self._choose_law(**law)
         mujoco = self.mujoco = import_mujoco()
         self.actuators = file_actuators(robot)
         self.robot = with_rotors(robot, self.actuators.armature)
@@ -142,6 +142,8 @@ class MjcfWorld(MujocoWorld):
 
     def softness(self, log: Log) -> dict[str, float]:
         """Return what the softness of feet and ground means in a run; see `MujocoWorld.softness`."""
+        if self.stepper is not None:
+            return super().softness(log)
         load = GRAVITY * (self.robot.mass + self.payload)
         first, ground = int(self._reader.feet.geoms[0]), self.ground_geoms[0]
         rank = [(self.model.geom_priority[g], self.model.geom_solmix[g]) for g in (first, ground)]

@@ -7,14 +7,15 @@ without friction or rotor inertia, and only the feet's spheres touch the ground.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
+from typing import Unpack, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, IntArray, finite_array, real_number, whole_number
-from surefoot.base.errors import SimulationError
+from surefoot.base.errors import ProblemError, SimulationError
 from surefoot.base.kernels import VECTOR, entry_point
 from surefoot.base.memory import Remade
 from surefoot.base.numerics.vectors import finite_vector, largest
@@ -32,10 +33,18 @@ from surefoot.worlds.mujoco.readings import pinocchio_state as pinocchio_state
 from surefoot.worlds.mujoco.readings import to_pinocchio
 from surefoot.worlds.mujoco.record_softness import world_softness
 from surefoot.worlds.mujoco.resuming import mujoco_state, resume_mujoco
-from surefoot.worlds.mujoco.spec import CONTACT_TIME, compile_spec, set_point_friction, surface_of
+from surefoot.worlds.mujoco.spec import (
+    CONTACT_TIME,
+    GroundLaw,
+    Softness,
+    compile_spec,
+    set_point_friction,
+    surface_of,
+)
 from surefoot.worlds.mujoco.spec import add_ground as add_ground
 from surefoot.worlds.mujoco.spec import import_mujoco as import_mujoco
 from surefoot.worlds.mujoco.spec import robot_spec as robot_spec
+from surefoot.worlds.mujoco.stepper.stepper import MujocoStepper
 from surefoot.worlds.mujoco.substeps import MOST_SUBSTEPS, WholeStep, mean_reading
 from surefoot.worlds.rigid.rigid_world import chosen_geometry
 
@@ -64,10 +73,13 @@ class MujocoWorld(Remade):
         What may touch: "feet", "full" for all links, with the ground and with each other, or a geometry.
     actuators
         Its motors: "ideal", "real", or a value; see `surefoot.mechanics.robot.actuators`.
-    solref, solimp
-        MuJoCo's softness of the ground, in its own words (`surefoot.translate` has others): time constant and
-        damping ratio [s, -], or minus stiffness and damping; (dmin, dmax, width, midpoint, power), width [m].
-        A solimp of fewer than five numbers takes MuJoCo's defaults for the rest. None for close to rigid.
+    **law
+        ``solref``, ``solimp``: MuJoCo's softness of the ground, in its own words (`surefoot.translate` has
+        others): time constant and damping ratio [s, -], or minus stiffness and damping; (dmin, dmax, width,
+        midpoint, power), width [m]. Of fewer than five numbers MuJoCo's defaults are the rest. None for close
+        to rigid.
+        ``exact=True``: contacts keep Coulomb's law exactly and limits are hard, `MujocoStepper` takes the
+        steps; ``restitution`` is of exact contacts [-].
 
     Attributes
     ----------
@@ -79,6 +91,8 @@ class MujocoWorld(Remade):
         Numbers of the ground's geoms and of the base's body there; 0 for a base that is fixed.
     substeps
         Steps of MuJoCo in one of these; see `divide`.
+    stepper
+        What takes the steps of an exact world, its certificates included; None for MuJoCo itself.
 
     Raises
     ------
@@ -87,7 +101,9 @@ class MujocoWorld(Remade):
     """
 
     substeps = 1
+    stepper: MujocoStepper | None = None
     _own_softness = False
+    _unsolved_before = 0
 
     def __init__(
         self,
@@ -99,11 +115,11 @@ class MujocoWorld(Remade):
         *,
         collision: str | Geometry = "feet",
         actuators: str | Actuators = "ideal",
-        solref: Sequence[float] | None = None,
-        solimp: Sequence[float] | None = None,
         payload_position: ArrayLike = (0.0, 0.0, 0.0),
+        **law: Unpack[GroundLaw],
     ) -> None:
         mujoco = import_mujoco()
+        solref, solimp = self._choose_law(**law)
         robot, self.actuators = equipped(robot, actuators)
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
         self.terrain, self._own_softness = ground_of(terrain), solref is None
@@ -126,6 +142,41 @@ class MujocoWorld(Remade):
         feet = np.array([int(self.model.geom(f"foot:{n}").id) for n in points.names], dtype=np.int64)
         self._take(feet, int(self.model.body("base:0").id) if robot.floating else 0, geometry is not None)
 
+    def _choose_law(
+        self, solref: Softness = None, solimp: Softness = None, exact: bool = False, restitution: float = 0.0
+    ) -> tuple[Softness, Softness]:
+        """Note whose contacts these are; refuse softness of exact ones, and restitution of soft ones."""
+        if exact and not (solref is None and solimp is None):
+            raise ProblemError("solref and solimp are of MuJoCo's soft contacts, exact ones have none")
+        if restitution and not exact:
+            raise ProblemError(
+                "restitution is of exact contacts (exact=True): MuJoCo's bounce by their solref"
+            )
+        self._restitution = real_number("restitution", restitution, low=0.0, high=1.0)
+        self._exact = bool(exact)
+        return solref, solimp
+
+    @property
+    def kind(self) -> str:
+        """What logs and states call this world: that with exact contacts is another one."""
+        name = type(self).__name__
+        return f"{name.removesuffix('World')}ExactWorld" if self._exact and "Exact" not in name else name
+
+    def forward(self) -> None:
+        """Have the data tell of its state as it is: places, contacts, and their forces."""
+        self._reader.ahead = 0.0
+        if self.stepper is None:
+            self.mujoco.mj_forward(self.model, self.data)
+        else:
+            self.stepper.reset()
+            self.stepper.forward(self.data)
+
+    def _step_exactly(self) -> None:
+        """Make a step whose velocities are those that the laws of contact tie to its impulses."""
+        cast(MujocoStepper, self.stepper).step(self.data)
+        self.mujoco.mj_comVel(self.model, self.data)  # of the feet where the step began, at its end's speed
+        self._reader.ahead = self.model.opt.timestep
+
     def _take(self, feet: IntArray, base: int, links: bool, floors: Sequence[int] = ()) -> None:
         """Make data for the model, with (p,) geoms of the feet and the base's body; see `collision`."""
         mujoco, robot = self.mujoco, self.robot
@@ -140,7 +191,10 @@ class MujocoWorld(Remade):
         self._reader = FootReader(
             mujoco, self.model, self.data, robot, self.terrain, feet, self.ground_geoms, self._views, links
         )
-        self._advance = partial(mujoco.mj_step, self.model, self.data)
+        self._advance: Callable[[], None] = partial(mujoco.mj_step, self.model, self.data)
+        if self._exact:
+            self.stepper = MujocoStepper(self.model, restitution=self._restitution)
+            self._advance = self._step_exactly
         self._turn, self._largest = entry_point(to_pinocchio, VECTOR, VECTOR), entry_point(largest, VECTOR)
         self.reset(robot.nominal)
 
@@ -150,7 +204,12 @@ class MujocoWorld(Remade):
         return float(self.data.time)
 
     def count_centripetal(self) -> None:
-        """Have feet count the acceleration that MuJoCo leaves out, see `worlds.mujoco.centripetal`."""
+        """Have feet count the acceleration that MuJoCo leaves out, see `worlds.mujoco.centripetal`.
+
+        Exact contacts are of velocities, which leave out none.
+        """
+        if self.stepper is not None:
+            return
         self._advance = partial(
             step_with_centripetal, self.mujoco, self.model, self.data, self._reader.feet.owner
         )
@@ -185,7 +244,17 @@ class MujocoWorld(Remade):
             self.data.qpos[3:7] = quaternion_wxyz(q[3:7])
             if v is not None:
                 self.data.qvel[:3] = base_velocity(q, v)
-        self.mujoco.mj_forward(self.model, self.data)
+        self.forward()
+        self._count_from_here()
+
+    def _count_from_here(self) -> None:
+        """Begin to count the steps whose contacts MuJoCo solves softly, see `unsolved`."""
+        self._unsolved_before = 0 if self.stepper is None else self.stepper.unsolved
+
+    @property
+    def unsolved(self) -> int:
+        """Steps since `reset` or `resume` whose contacts were to be exact, and that MuJoCo solved softly."""
+        return 0 if self.stepper is None else self.stepper.unsolved - self._unsolved_before
 
     @property
     def state(self) -> WorldState:
@@ -202,10 +271,12 @@ class MujocoWorld(Remade):
         """
         self._whole = resume_mujoco(self, state)
         self.applied = state.applied.copy()
+        self._count_from_here()
 
     def _lasting(self) -> tuple[WorldState, int, bool]:
         """See `Remade`: the state, and what was asked of the steps."""
-        return self.state, self.substeps, self._advance.func is step_with_centripetal
+        centripetal = isinstance(self._advance, partial) and self._advance.func is step_with_centripetal
+        return self.state, self.substeps, centripetal
 
     def _go_on(self, lasting: tuple[WorldState, int, bool]) -> None:
         """See `Remade`."""
@@ -287,7 +358,7 @@ class MujocoWorld(Remade):
         time = data.time - self.dt
         self.mujoco.mj_resetData(self.model, data)
         data.qpos[:], data.qvel[:], data.time = qpos, qvel, time
-        self.mujoco.mj_forward(self.model, data)
+        self.forward()
         fastest = int(np.argmax(np.abs(qvel)))
         joint = self.model.joint(int(self.model.dof_jntid[fastest])).name.split(":", 1)[-1]
         return SimulationError("motion", time, self.dt, joint, float(abs(qvel[fastest])))
@@ -304,7 +375,12 @@ class MujocoWorld(Remade):
     set_point_friction = set_point_friction
 
     def softness(self, log: Log) -> dict[str, float]:
-        """Return what the ground's softness means in a run: `sinking` [m], `creep` [m/s], `stopping` [m]."""
+        """Return what the ground's softness means in a run: `sinking` [m], `creep` [m/s], `stopping` [m].
+
+        Exact contacts have none; `unsolved_steps` says how many steps were soft all the same.
+        """
+        if self.stepper is not None:
+            return {"unsolved_steps": float(self.unsolved)}
         load = float(np.linalg.norm(self.model.opt.gravity)) * (self.robot.mass + self.payload)
         return world_softness(
             self.mujoco, self.model, self.ground_geoms[0], self._reader.feet.bodies, log, load

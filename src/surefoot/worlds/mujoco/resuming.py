@@ -1,8 +1,9 @@
 """The state of a MuJoCo world as a value, and how a world goes on from one to the last bit.
 
 MuJoCo steps from its integration state [1]_ alone: time, q, v, activations, the warm start of its solver and
-what acts from outside. Beside it friction lasts, which is part of the model, and what the last step has left
-to be read: contacts belong to the configuration before the step, and no state brings them back.
+what acts from outside. Beside it friction lasts, which is part of the model, the impulses that an exact step
+starts from, and what the last step has left to be read: contacts belong to the configuration before the step,
+and no state brings them back.
 
 References
 ----------
@@ -17,7 +18,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surefoot.base.errors import ProblemError
 from surefoot.worlds.interface.world_state import WorldState, digest, fill
+from surefoot.worlds.mujoco.stepper.impulse_memory import Impulses, read_memory
 from surefoot.worlds.mujoco.substeps import WholeStep
 
 MADE = (
@@ -53,12 +56,23 @@ def mujoco_state(world: Any) -> WorldState:
     """Return a copy of all that lasts in a `MujocoWorld` from one step to the next."""
     spec, physics = _whole(world)
     world.mujoco.mj_getState(world.model, world.data, physics, spec)
-    own = {"physics": physics} | {name: getattr(world.model, name).copy() for name in CHANGED}
+    own: dict[str, Any] = {"physics": physics} | {name: getattr(world.model, name).copy() for name in CHANGED}
+    if world.stepper is not None:
+        own |= world.stepper.last_impulses()._asdict()
     reading = copy.deepcopy(world.contacts())
     touching = sorted(world.touching())
-    return WorldState(
-        type(world).__name__, _digest_model(world), own, world.applied.copy(), reading, touching
-    )
+    return WorldState(world.kind, _digest_model(world), own, world.applied.copy(), reading, touching)
+
+
+def _impulses(own: dict[str, Any]) -> Impulses:
+    """Return the impulses of a state, or raise for what cannot be any."""
+    parts: dict[str, Any] = {name: own.get(name) for name in Impulses._fields}
+    for name, part in parts.items():
+        if not isinstance(part, np.ndarray):
+            raise ProblemError(f"{name} of the world's state must be an array, got {type(part).__name__}")
+    impulses = Impulses(**parts)
+    read_memory(impulses)
+    return impulses
 
 
 def resume_mujoco(world: Any, state: WorldState) -> WholeStep:
@@ -69,10 +83,11 @@ def resume_mujoco(world: Any, state: WorldState) -> WholeStep:
     ProblemError
         For a state of another world, or arrays that do not fit; nothing has changed.
     """
-    state.check(type(world).__name__, _digest_model(world))
+    state.check(world.kind, _digest_model(world))
     mujoco, model, data = world.mujoco, world.model, world.data
     spec, physics = _whole(world)
     own = state.own
+    impulses = None if world.stepper is None else _impulses(own)
     fill([
         ("applied", world.applied.copy(), state.applied),
         ("physics", physics, own.get("physics")),
@@ -81,6 +96,8 @@ def resume_mujoco(world: Any, state: WorldState) -> WholeStep:
     mujoco.mj_resetData(model, data)
     mujoco.mj_setState(model, data, physics, spec)
     # Places and contacts of now, for who looks at the data; it leaves another warm start behind.
-    mujoco.mj_forward(model, data)
+    world.forward()
     mujoco.mj_setState(model, data, physics, spec)
+    if impulses is not None:
+        world.stepper.resume(data, impulses)
     return WholeStep(copy.deepcopy(state.reading), tuple((a, b) for a, b in state.touching))

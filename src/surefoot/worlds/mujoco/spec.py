@@ -7,7 +7,7 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias, TypedDict
 
 import numpy as np
 
@@ -22,6 +22,19 @@ FRICTION_RATIO = 100.0
 """MuJoCo's impratio: friction much stiffer than the normal, so that a sticking foot hardly creeps."""
 TOUCHING: dict[str, Any] = {"contype": 0, "conaffinity": 1, "condim": 3, "density": 0.0}
 """What a robot's geom says of its contacts: with the ground alone, and without a mass of its own."""
+
+
+Softness: TypeAlias = Sequence[float] | None
+"""MuJoCo's solref or solimp; None for close to rigid."""
+
+
+class GroundLaw(TypedDict, total=False):
+    """How contacts give way, if they do; see `MujocoWorld`."""
+
+    solref: Softness
+    solimp: Softness
+    exact: bool
+    restitution: float
 
 
 def import_mujoco() -> Any:

@@ -193,8 +193,13 @@ def _at_home(
 
 
 def _own_world(log: Log) -> str:
-    """Return the name of the world that a log comes from; empty where that is not one of ours."""
+    """Return the name of the world that a log comes from; empty where that is not one of ours.
+
+    A recording is of a MuJoCo loop: our MuJoCo world is its engine, on ground close to rigid.
+    """
     origin = str(log.facts.get("world", ""))
+    if not origin and log.facts.get("kind") == "recording":
+        return "mujoco"
     return next((name for name in WORLDS if origin and origin == WORLDS.object_name(name)), "")
 
 

@@ -13,6 +13,7 @@ from surefoot.base.errors import ProblemError, SurefootError, located
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot, Terrain, load_robot, read_terrain
 from surefoot.records import Log
+from surefoot.worlds.replay.recorded_model import ground_of_recording, has_model, robot_of_recording
 
 LONGEST_STEP = 1e-3
 """Longest step of a world that replays [s]; rows farther apart are replayed in several steps."""
@@ -78,8 +79,9 @@ def replay_task(
 def _task(log: Log, robot: Robot | None, terrain: Terrain | None, mu: float | None) -> ReplayTask:
     """Return what a log with all that a replay needs tells of it."""
     try:
-        robot = load_robot(str(log.fact("robot"))) if robot is None else robot
-        ground = read_terrain(str(log.fact("terrain"))) if terrain is None else terrain
+        robot = _robot_of(log) if robot is None else robot
+        ground = terrain or ground_of_recording(log) if "terrain" not in log.facts else terrain
+        ground = read_terrain(str(log.fact("terrain"))) if ground is None else ground
     except SurefootError as error:
         raise ProblemError(str(error)) from error
     if not robot.floating or not robot.feet:
@@ -102,12 +104,17 @@ def _task(log: Log, robot: Robot | None, terrain: Terrain | None, mu: float | No
     )  # fmt: skip
 
 
+def _robot_of(log: Log) -> Robot:
+    """Return the robot of the model that a log holds, else the one that it names."""
+    return robot_of_recording(log) if has_model(log) else load_robot(str(log.fact("robot")))
+
+
 def _missing(log: Log, robot: Robot | None, terrain: Terrain | None, mu: float | None) -> list[str]:
     """Return what is neither in the log nor given."""
     out = [f"channel {name}" for name in ("q", "v", "torques") if name not in log]
-    if robot is None and "robot" not in log.facts:
+    if robot is None and "robot" not in log.facts and not has_model(log):
         out.append("fact robot (give robot)")
-    if terrain is None and "terrain" not in log.facts:
+    if terrain is None and "terrain" not in log.facts and ground_of_recording(log) is None:
         out.append("fact terrain (give terrain)")
     if mu is None and "mu" not in log and "contact_friction" not in log:
         out.append("friction mu (give mu)")

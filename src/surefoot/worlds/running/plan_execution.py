@@ -27,6 +27,8 @@ from surefoot.worlds.running.observers import LinkContactObserver
 from surefoot.worlds.running.run import Scenario, run
 from surefoot.worlds.running.scenario import Fall
 
+EXECUTING = ("mujoco", "mujoco-exact", "rigid")
+"""Worlds that know a whole robot's links."""
 START_PLACE, START_TURN = 0.02, math.radians(2.0)
 """Largest error of the body's place at the start along each axis [m], of its attitude about each [rad]."""
 FRICTION_ERROR, MASS_ERROR = 0.2, 0.05
@@ -137,7 +139,7 @@ def execute(
     plan
         A plan, or a reference.
     world
-        "mujoco" or "rigid".
+        "mujoco", "mujoco-exact" or "rigid".
     limits
         Of the motors, or the name of their model, see `motor_limits`.
     seed
@@ -156,8 +158,8 @@ def execute(
     MissingExtra
         If the world's engine is not installed.
     """
-    if world not in ("mujoco", "rigid"):
-        raise ProblemError(f"plans are executed in the worlds mujoco and rigid, got {world!r}")
+    if world not in EXECUTING:
+        raise ProblemError(f"plans are executed in the worlds {', '.join(EXECUTING)}, got {world!r}")
     if isinstance(plan, Reference):
         terrain, reference, robot = None, plan, plan.robot
     else:

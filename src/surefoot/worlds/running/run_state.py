@@ -12,7 +12,7 @@ from surefoot.base.arrays import real_number
 from surefoot.base.errors import ProblemError
 from surefoot.base.memory import Arrays, Memory, alike, read_state, write_down
 from surefoot.motion import STATE_KINDS, Command, Controller, state_of
-from surefoot.worlds.interface.world import ContactReading, World
+from surefoot.worlds.interface.world import ContactReading, World, kind_of
 from surefoot.worlds.interface.world_state import WorldState, world_state
 from surefoot.worlds.running.scenario import Ice, Scenario
 
@@ -176,7 +176,7 @@ def setting_of(world: World, controller: Controller, scenario: Scenario) -> dict
     faults = scenario.faults
     levels = None if faults is None else [(n, v) for n, v in vars(faults).items() if n != "dropouts"]
     return {
-        "robot": world.robot.name, "world": type(world).__name__, "controller": " around ".join(chain),
+        "robot": world.robot.name, "world": kind_of(world), "controller": " around ".join(chain),
         "facts of the controller": repr(sorted((n, np.asarray(v).tolist()) for n, v in said.items())),
         "friction": repr(scenario.mu), "ice": repr(list(scenario.ice)), "faults": repr(levels),
         "sensors": repr(scenario.sensors), "range sensor": repr(scenario.scanner),

@@ -12,11 +12,11 @@ from surefoot.mechanics import FlatTerrain, Robot, SlopeTerrain, Terrain, read_t
 from surefoot.worlds.running.faults import scaled_robot
 from surefoot.worlds.sweep.sample_experiment import SweepExperiment, number
 
-ONLY_IN: Mapping[str, tuple[str, ...]] = {
-    "rigid": ("restitution", "stiffness", "damping"),
-    "mujoco": ("time_constant", "damping_ratio"),
-}
-"""World to the settings of the ground that only it has."""
+OF_WORLDS: Mapping[str, tuple[str, ...]] = {
+    "restitution": ("rigid", "mujoco-exact"), "stiffness": ("rigid",), "damping": ("rigid",),
+    "time_constant": ("mujoco",), "damping_ratio": ("mujoco",),
+}  # fmt: skip
+"""Setting of the ground to the worlds that have it."""
 SOFT_DEFAULTS = (0.004, 1.0)
 """Time constant [s] and damping ratio of MuJoCo's ground where one of the two is given."""
 
@@ -28,7 +28,8 @@ class GroundExperiment(SweepExperiment):
     Attributes
     ----------
     mu, restitution
-        Friction of the ground; Newton's restitution, of rigid ground (rigid world).
+        Friction of the ground; Newton's restitution, of rigid ground (worlds rigid and
+        mujoco-exact).
     stiffness, damping
         Of a spring-damper ground (rigid world) [N/m], [N s/m].
     time_constant, damping_ratio
@@ -61,10 +62,10 @@ class GroundExperiment(SweepExperiment):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for world, names in ONLY_IN.items():
-            for name in names:
-                if world != self.world and getattr(self, name) is not None:
-                    raise ProblemError(f"{name} is of world {world}, the settings say world {self.world}")
+        for name, worlds in OF_WORLDS.items():
+            if self.world not in worlds and getattr(self, name) is not None:
+                owners = " or ".join(worlds)
+                raise ProblemError(f"{name} is of world {owners}, the settings say world {self.world}")
         if self.damping is not None and self.stiffness is None:
             raise ProblemError("damping goes with stiffness: rigid ground has none")
         if self.restitution is not None and self.stiffness is not None:
@@ -94,6 +95,8 @@ class GroundExperiment(SweepExperiment):
             if self.stiffness is not None:
                 law = SpringDamper(self.stiffness, self.damping or 0.0, friction=ExactFriction(self.mu))
             return {"law": law, "restitution": self.restitution or 0.0}
+        if self.world == "mujoco-exact":
+            return {"restitution": self.restitution or 0.0}
         given = (self.time_constant, self.damping_ratio)
         if given == (None, None):
             return {}

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from surefoot.motion import Controller
     from surefoot.records import Log
 
-MOTORED = ("mujoco", "rigid")
+MOTORED = ("mujoco", "mujoco-exact", "rigid")
 """Worlds whose joints have motors."""
 PUSH_LENGTH = 0.2
 """Length of a push [s]."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any, ClassVar
@@ -73,6 +74,8 @@ class RunSummary:
         Name, [kg], simulated time [s].
     world
         Where it ran, as `--world` has it: "mujoco", "rigid"; empty for a log that does not tell.
+    unsolved_steps
+        Steps whose contacts an exact world solved softly; None for a log that does not tell.
     outcome
         In a word.
     success
@@ -104,6 +107,7 @@ class RunSummary:
     mass: float
     duration: float
     world: str
+    unsolved_steps: int | None
     outcome: str
     success: bool
     error: str
@@ -130,6 +134,16 @@ class RunSummary:
         out = _plain(self)
         out[self.success_key] = out.pop("success")
         return dict(out)
+
+
+def world_name(log: Log) -> str:
+    """Return where a log's run took place, as `--world` has it; empty for a log that does not tell.
+
+    >>> world_name(Log({}, {"world": "MujocoExactWorld"}))
+    'mujoco-exact'
+    """
+    kind = str(log.facts.get("world", "")).removesuffix("World")
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", "-", kind).lower()
 
 
 def _plain(value: Any) -> Any:
@@ -169,7 +183,8 @@ def shared_fields(
         "robot": log.fact("robot"),
         "mass": log.fact("mass"),
         "duration": duration,
-        "world": str(log.facts.get("world", "")).removesuffix("World").lower(),
+        "world": world_name(log),
+        "unsolved_steps": int(log.fact("unsolved_steps")) if "unsolved_steps" in log.facts else None,
         "outcome": outcome,
         "success": outcome == good,
         "error": str(log.facts.get("error", "")),

@@ -6,6 +6,8 @@ The user's model is not touched; numbers that are changed in it are followed.
 from __future__ import annotations
 
 import copy
+from collections.abc import Sequence
+from fnmatch import fnmatchcase
 from typing import Any
 
 import numba
@@ -22,10 +24,15 @@ FOLLOWED = (
     "geom_surfacevel", "dof_damping", "dof_armature", "dof_frictionloss", "jnt_stiffness", "jnt_range",
     "qpos_spring", "actuator_gainprm", "actuator_biasprm", "actuator_ctrlrange", "actuator_forcerange",
     "actuator_gear", "pair_friction", "eq_data", "tendon_stiffness", "tendon_damping", "tendon_frictionloss",
-    "tendon_range",
+    "tendon_range", "geom_solref", "geom_solimp", "geom_solmix", "pair_solref", "pair_solimp",
 )  # fmt: skip
 """Arrays of a model whose changes between two steps are followed."""
-WORDS, TABLE = numba.int64[::1], numba.int64[:, ::1]
+FOLLOWED_CHOICES = ("geom_priority", "geom_contype", "geom_conaffinity", "geom_condim", "pair_dim")
+"""The same of whole numbers."""
+WORDS, HALVES, TABLE = numba.int64[::1], numba.int32[::1], numba.int64[:, ::1]
+TOUCHING = 1e-6
+"""Distance up to which contacts and limits touch where MuJoCo solves a step softly [m, rad]. A judgement: far
+above rounding, far below what its contacts sink."""
 OPTIONS = ("timestep", "integrator", "impratio", "density", "viscosity", "tolerance", "iterations")
 """Options that are followed, beside gravity, wind and the flags."""
 
@@ -49,9 +56,18 @@ def refuse(mujoco: Any, model: Any) -> None:
 
 
 @kernel
-def follow_changes(words: IntArray, table: IntArray) -> int:
-    """Copy words that differ from one place to another, (n, 3) from, to, number; return how many did."""
+def follow_changes(words: IntArray, table: IntArray, halves: IntArray, choices: IntArray) -> int:
+    """Copy what differs from one place to another, (n, 3) from, to, number; return how many did.
+
+    The table is of words of 64 bits, the choices are of 32.
+    """
     changed = 0
+    for k in range(choices.shape[0]):
+        one, two = choices[k, 0], choices[k, 1]
+        for i in range(choices[k, 2]):
+            if halves[one + i] != halves[two + i]:
+                halves[two + i] = halves[one + i]
+                changed += 1
     for k in range(table.shape[0]):
         one, two = table[k, 0], table[k, 1]
         for i in range(table[k, 2]):
@@ -59,6 +75,18 @@ def follow_changes(words: IntArray, table: IntArray) -> int:
                 words[two + i] = words[one + i]
                 changed += 1
     return changed
+
+
+def soft_geoms(model: Any, patterns: Sequence[str]) -> FloatArray:
+    """Return (ngeom,) 1 for geoms whose name fits a pattern, (0,) without patterns."""
+    if not patterns:
+        return np.zeros(0)
+    names = [model.geom(g).name for g in range(model.ngeom)]
+    for pattern in patterns:
+        if not any(fnmatchcase(name, pattern) for name in names):
+            known = ", ".join(sorted(filter(None, names))[:20]) or "no geom has a name"
+            raise ProblemError(f"soft: no geom is called {pattern!r}; there are {known}")
+    return np.array([float(any(fnmatchcase(name, p) for p in patterns)) for name in names])
 
 
 class PrivateModel:
@@ -82,19 +110,23 @@ class PrivateModel:
         self.plain = self._copy()
         self.model = self._copy()
         self._widen(self.model)
-        self._words = all_memory()[1]
-        rows: list[tuple[int, int, int]] = []
+        _, self._words, self._halves = all_memory()
+        rows, choices = list[tuple[int, int, int]](), list[tuple[int, int, int]]()
         for name in FOLLOWED:
             source = getattr(original, name)
             if source.size and source.dtype == np.float64:
                 rows += [(place_of(source), place_of(getattr(m, name)), source.size) for m in self._both]
+        for name in FOLLOWED_CHOICES:
+            source = getattr(original, name)
+            if source.size and source.dtype == np.int32:
+                choices += [(place_of(source), place_of(getattr(m, name)), source.size) for m in self._both]
         for name in ("gravity", "wind"):
             source = getattr(original.opt, name)
             rows += [(place_of(source), place_of(getattr(m.opt, name)), source.size) for m in self._both]
         self._option, self._known = original.opt, tuple[float, ...]()
-        self._copy_changes = entry_point(follow_changes, WORDS, TABLE)
+        self._copy_changes = entry_point(follow_changes, WORDS, TABLE, HALVES, TABLE)
         self._take_options()
-        self._table: IntArray = np.array(rows, dtype=np.int64).reshape(-1, 3)
+        self._table, self._choices = (np.array(t, dtype=np.int64).reshape(-1, 3) for t in (rows, choices))
 
     @property
     def _both(self) -> tuple[Any, Any]:
@@ -121,13 +153,15 @@ class PrivateModel:
         if not asked:  # else their readings would begin at the reach
             model.jnt_margin[:] += self.reach
             model.tendon_margin[:] += self.reach
+            self.plain.jnt_margin[:] += TOUCHING
+            self.plain.tendon_margin[:] += TOUCHING
         self.limit_reach = 0.0 if asked else self.reach
 
     def follow(self) -> None:
         """Take over what was changed in the original since the last step."""
         if self._options() != self._known:
             self._take_options()
-        self._copy_changes(self._words, self._table)
+        self._copy_changes(self._words, self._table, self._halves, self._choices)
 
     def _options(self) -> tuple[float, ...]:
         """Return the options that are followed."""

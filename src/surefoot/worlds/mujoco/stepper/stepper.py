@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from fnmatch import fnmatchcase
 from typing import Any, NamedTuple, TypedDict
 
 import numpy as np
 
-from surefoot.base.arrays import FloatArray, IntArray, real_number
+from surefoot.base.arrays import BoolArray, FloatArray, IntArray, real_number
 from surefoot.base.errors import ProblemError
 from surefoot.base.kernels import entry_point
 from surefoot.contact import Status
 from surefoot.worlds.mujoco.spec import import_mujoco
 from surefoot.worlds.mujoco.stepper import addresses
 from surefoot.worlds.mujoco.stepper.implicit import ImplicitInertia
-from surefoot.worlds.mujoco.stepper.private_model import PrivateModel
+from surefoot.worlds.mujoco.stepper.impulse_memory import LEAST_ROOM, Impulses, memory_room, read_memory
+from surefoot.worlds.mujoco.stepper.private_model import TOUCHING, PrivateModel, soft_geoms
 from surefoot.worlds.mujoco.stepper.rows import SLOWEST, START, STEP
 from surefoot.worlds.mujoco.stepper.runge_kutta import finish_runge_kutta
 from surefoot.worlds.mujoco.stepper.stage import (
@@ -29,6 +29,7 @@ from surefoot.worlds.mujoco.stepper.stage import (
     VIOLATION,
     exact_stage,
 )
+from surefoot.worlds.mujoco.stepper.step_problem import RESTS, ProblemStepper
 
 SHARE = 0.2
 """Share of a penetration, and of an equality's error, that is undone in a step [-]: beside the motion, so
@@ -38,8 +39,6 @@ REACH = 1e-3
 caught in the step after. A judgement: a foot at 0.5 m/s and 2 ms."""
 ACCEPTED = 1e-6
 """Velocity error over the speed of approach up to which a step is kept [-]; see `StepCertificate`."""
-RESTS = 4.0
-"""Steps of gravity's own speed below which a contact does not bounce: it rests."""
 
 
 class StepperOptions(TypedDict, total=False):
@@ -79,7 +78,7 @@ class StepCertificate(NamedTuple):
     violation: float
 
 
-class MujocoStepper:
+class MujocoStepper(ProblemStepper):
     """`mujoco.mj_step` with Coulomb's law for contacts, and hard limits, equalities and dry friction.
 
     ``stepper.step(data)`` takes the place of ``mujoco.mj_step(model, data)``: collision, actuation, passive
@@ -143,15 +142,16 @@ class MujocoStepper:
         self._mujoco = mujoco = import_mujoco()
         if not isinstance(model, mujoco.MjModel):
             raise ProblemError(f"MujocoStepper takes an MjModel, got {type(model).__name__}")
+        self._made_of = model, {"restitution": restitution, "share": share, "soft": soft, "tol": tol}
         self._private = PrivateModel(mujoco, model, REACH)
         self.model = self._private.model
         self.restitution = real_number("restitution", restitution, low=0.0, high=1.0)
         self.share = real_number("share", share, low=0.0, high=1.0)
         self.tol = real_number("tol", tol, low=0.0, high=ACCEPTED)
-        self._soft = _soft_geoms(model, (soft,) if isinstance(soft, str) else tuple(soft))
+        self._soft = soft_geoms(model, (soft,) if isinstance(soft, str) else tuple(soft))
         self.steps = self.unsolved = 0
         self._told, self._push = np.zeros(8), np.zeros(model.nv)
-        self._memory = _room(64)
+        self._memory = memory_room(LEAST_ROOM)
         self._data: Any = None
         self._implicit: ImplicitInertia | None = None
         self._arena = addresses.arena_words(mujoco)
@@ -189,6 +189,16 @@ class MujocoStepper:
     def reset(self) -> None:
         """Forget the last impulses: the next step starts from none."""
         self._told[LAST] = 0.0
+
+    def last_impulses(self) -> Impulses:
+        """Return a copy of the impulses that the next step starts from, for `resume`."""
+        return Impulses.of(self._memory, int(self._told[LAST]))
+
+    def resume(self, data: Any, impulses: Impulses) -> None:
+        """Go on with a data from impulses that a stepper of such a model remembered, to the last bit."""
+        memory = read_memory(impulses)
+        self._bind(data)
+        self._memory, self._told[LAST] = memory, len(impulses.keys)
 
     def step(self, data: Any) -> None:
         """Advance the data by a time step, in place of ``mujoco.mj_step``."""
@@ -281,7 +291,7 @@ class MujocoStepper:
             mujoco.mj_fwdConstraint(model, data)
             return
         if count > len(self._memory[2]):
-            self._memory, self._told[LAST] = _room(2 * count), 0.0
+            self._memory = memory_room(2 * count, self._memory)
         settings = self._settings
         settings[STEP], settings[START] = self._option.timestep, 0.0
         if start is not None:
@@ -338,7 +348,7 @@ class MujocoStepper:
         soft = self._soft[contact.geom].any(axis=1) if data.ncon else np.zeros(0, bool)
         if soft.any():
             contact.includemargin[soft] -= self._private.reach
-            contact.exclude[soft & (contact.dist >= contact.includemargin) & (contact.exclude == 0)] = 1
+            _leave_out(contact, soft)
             self._mujoco.mj_makeConstraint(self.model, data)
             self._mujoco.mj_projectConstraint(self.model, data)
             self._mujoco.mj_referenceConstraint(self.model, data)
@@ -357,7 +367,9 @@ class MujocoStepper:
         self._status, self._told[LAST] = Status.STALLED, 0.0
         contact = data.contact
         if data.ncon:
-            contact.exclude[(contact.dist >= contact.includemargin) & (contact.exclude == 0)] = 1
+            # what rests exactly is at a distance of rounding: MuJoCo would let it fall
+            contact.includemargin[contact.dist >= contact.includemargin] += TOUCHING
+            _leave_out(contact, np.ones(data.ncon, dtype=bool))
         mujoco.mj_makeConstraint(plain, data)
         mujoco.mj_projectConstraint(plain, data)
         mujoco.mj_referenceConstraint(plain, data)
@@ -368,18 +380,7 @@ _EULER, _RK4 = 0, 1
 """MuJoCo's numbers of integrators."""
 
 
-def _room(count: int) -> tuple[IntArray, IntArray, FloatArray]:
-    """Return room for keys, places and impulses of so many blocks."""
-    return np.zeros((count, 3), np.int64), np.zeros((count, 2), np.int64), np.zeros(count)
-
-
-def _soft_geoms(model: Any, patterns: Sequence[str]) -> FloatArray:
-    """Return (ngeom,) 1 for geoms whose name fits a pattern, (0,) without patterns."""
-    if not patterns:
-        return np.zeros(0)
-    names = [model.geom(g).name for g in range(model.ngeom)]
-    for pattern in patterns:
-        if not any(fnmatchcase(name, pattern) for name in names):
-            known = ", ".join(sorted(filter(None, names))[:20]) or "no geom has a name"
-            raise ProblemError(f"soft: no geom is called {pattern!r}; there are {known}")
-    return np.array([float(any(fnmatchcase(name, p) for p in patterns)) for name in names])
+def _leave_out(contact: Any, which: BoolArray) -> None:
+    """Leave contacts out that are apart, of some (c,): without rows, of which MuJoCo leaves old numbers."""
+    apart = which & (contact.dist >= contact.includemargin) & (contact.exclude == 0)
+    contact.exclude[apart], contact.efc_address[apart] = 1, -1
