@@ -1,7 +1,8 @@
 """Vary the settings of ground that a robot learns, one at a time, over what recorded walks have sensed.
 
-Run: python -m benchmarks.learnt_ground [NAME...] [--seeds 2] [--json] [--quick]. NAME is "Class.setting" or a
-class; all of `HELD_IN` without one.
+Run: python -m benchmarks.learnt_ground [NAME...] [--factor 3 10] [--seeds 2] [--json] [--quick]. NAME is
+"Class.setting" or a class; all of `HELD_IN` without one. Values are tried that are so many times a setting's
+own, and so many times less.
 
 Go2 walks over stairs, slopes, a pit and rough ground, seen and blind, and all that its ground is given is
 kept: estimated states, scans, and where feet stand or look for ground. The ground is then learnt anew from it
@@ -324,7 +325,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Print what comes of each setting."""
     parser = options(__doc__, "a seed of two walks, one value each way", seeds=2)
     parser.add_argument("names", nargs="*", help="settings or classes of them (default: all)")
+    parser.add_argument(
+        "--factor", type=float, nargs="+", default=FACTORS, help="of values over the setting's own"
+    )
     given = parser.parse_args(arguments)
+    if not all(1.0 < factor < float("inf") for factor in given.factor):
+        raise ProblemError(f"--factor must be above 1 and finite, got {', '.join(map(shown, given.factor))}")
     chosen: list[Setting] = []
     for name in given.names or HELD_IN:
         if name.partition(".")[0] not in HELD_IN:
@@ -334,9 +340,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     kinds = {kind for one in chosen for kind in kinds_of(one)}
     walks = [record(*way, seed) for way in ways if way[0] in kinds for seed in range(1, seeds + 1)]
     before = [learn(walk) for walk in walks]
-    rows = []
+    rows, factors = [], given.factor[:1] if given.quick else given.factor
     for one in chosen:
-        rows.append(vary(one, *walks_of(one, walks, before), FACTORS[:1] if given.quick else FACTORS))
+        rows.append(vary(one, *walks_of(one, walks, before), factors))
         if not given.json:
             print(f"{one.name} = {shown(one.value)}: {rows[-1]['verdict']}")
             for value, worse, better, shares in rows[-1]["tried"]:

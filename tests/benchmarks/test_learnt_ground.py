@@ -10,6 +10,7 @@ import pytest
 from benchmarks import learnt_ground
 from benchmarks.ablation.varying import known_settings
 from benchmarks.learnt_ground import FLOORS, Sensed, changed, compare, learn, record, vary
+from surefoot.base.errors import ProblemError
 from surefoot.motion.ground import stair_fit
 
 NOTHING = dict.fromkeys(FLOORS, math.nan)
@@ -51,6 +52,12 @@ def test_other_values_go_outwards_until_one_is_worse(monkeypatch: pytest.MonkeyP
     found = vary(one, walks, before, (2.0, 10.0))
     assert found["verdict"] == f"as good from {one.value / 10:g} to {one.value:g}"
     assert max(tried) == 2.0 * one.value, "nothing beyond a value that is worse"
+
+
+@pytest.mark.parametrize("factor", ["1", "0.5", "nan", "inf"])
+def test_factors_are_above_one(factor: str) -> None:
+    with pytest.raises(ProblemError, match=f"--factor must be above 1 and finite, got 3, {factor}"):
+        learnt_ground.main(["StairFitSettings.near", "--factor", "3", factor])
 
 
 @pytest.mark.long

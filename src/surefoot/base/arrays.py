@@ -37,7 +37,7 @@ def numbers(name: str, value: ArrayLike) -> FloatArray:
 
     Neither text, dates nor complex numbers are numbers.
     """
-    if type(value) is np.ndarray and value.dtype is _FLOAT and value.flags.c_contiguous:
+    if type(value) is np.ndarray and value.dtype == _FLOAT and value.flags.c_contiguous:
         return value
     return array_of(name, value, "biufO", "numeric", np.float64)
 
@@ -87,7 +87,7 @@ def sized_array(name: str, value: ArrayLike, shape: tuple[int, ...]) -> FloatArr
     ProblemError
         If it is not numeric or has another shape.
     """
-    if type(value) is np.ndarray and value.dtype is _FLOAT and value.shape == shape:
+    if type(value) is np.ndarray and value.dtype == _FLOAT and value.shape == shape:
         return value
     array = numbers(name, value)
     if array.shape != shape:
@@ -103,7 +103,7 @@ def sized_flags(name: str, value: ArrayLike, count: int) -> BoolArray:
     ProblemError
         If it is none.
     """
-    if type(value) is np.ndarray and value.dtype is _BOOL and value.shape == (count,):
+    if type(value) is np.ndarray and value.dtype == _BOOL and value.shape == (count,):
         return value
     flags: BoolArray = array_of(name, value, "b", "True and False", np.bool_)
     if flags.shape != (count,):
@@ -113,7 +113,7 @@ def sized_flags(name: str, value: ArrayLike, count: int) -> BoolArray:
 
 def finite_array(name: str, value: ArrayLike, shape: Sequence[int | None] | None = None) -> FloatArray:
     """Like `real_array`, and infinite entries are refused too."""
-    plain = type(value) is np.ndarray and value.dtype is _FLOAT and (shape is None or value.shape == shape)
+    plain = type(value) is np.ndarray and value.dtype == _FLOAT and (shape is None or value.shape == shape)
     if plain and np.isfinite(value).all():  # what the package hands to itself, at every step
         return np.array(value)
     array = real_array(name, value, shape)

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from surefoot.base.arrays import BoolArray, FloatArray, sized_array, sized_flags
 from surefoot.mechanics import Robot
+
+_ARRAY, _FLOAT, _BOOL = np.ndarray, np.dtype(np.float64), np.dtype(np.bool_)
 
 
 class HeightScan(NamedTuple):
@@ -64,13 +68,24 @@ class RobotState(NamedTuple):
         ProblemError
             For what is no array of its shape.
         """
-        of_q, of_v, of_joints, of_forces = robot.array_shapes
-        q, v = sized_array("q", self.q, of_q), sized_array("v", self.v, of_v)
-        contact, torques, forces = self.contact, self.torques, self.forces
-        contact = None if contact is None else sized_flags("contact", contact, of_forces[0])
-        torques = None if torques is None else sized_array("torques", torques, of_joints)
-        forces = None if forces is None else sized_array("forces", forces, of_forces)
-        same = q is self.q and v is self.v and contact is self.contact and torques is self.torques
-        if same and forces is self.forces:  # as nearly always: a copy would take two microseconds
+        q, v, _, contact, torques, forces, _ = self
+        of_q, of_v, of_contact, of_joints, of_forces = robot.array_shapes
+        # nearly every state, in one expression: a call for each array would be a twentieth of a walk's step
+        if (
+            type(q) is type(v) is _ARRAY
+            and (q.dtype == v.dtype == _FLOAT and q.shape == of_q and v.shape == of_v)
+            and (contact is None or (type(contact) is _ARRAY and contact.dtype == _BOOL))
+            and (contact is None or contact.shape == of_contact)
+            and (torques is None or (type(torques) is _ARRAY and torques.dtype == _FLOAT))
+            and (torques is None or torques.shape == of_joints)
+            and (forces is None or (type(forces) is _ARRAY and forces.dtype == _FLOAT))
+            and (forces is None or forces.shape == of_forces)
+        ):
             return self
-        return self._replace(q=q, v=v, contact=contact, torques=torques, forces=forces)
+        return self._replace(
+            q=sized_array("q", q, of_q),
+            v=sized_array("v", v, of_v),
+            contact=None if contact is None else sized_flags("contact", contact, *of_contact),
+            torques=None if torques is None else sized_array("torques", torques, of_joints),
+            forces=None if forces is None else sized_array("forces", forces, of_forces),
+        )

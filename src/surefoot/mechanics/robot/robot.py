@@ -127,9 +127,10 @@ class Robot(Drawn, ShapesOfFile):
         return tuple(names[1:] if self.floating else names)
 
     @cached_property
-    def array_shapes(self) -> tuple[tuple[int], tuple[int], tuple[int], tuple[int, int]]:
-        """Shapes of its arrays: q, v, joint torques, forces on its feet."""
-        return (int(self.model.nq),), (int(self.model.nv),), (self.joints,), (len(self.feet), 3)
+    def array_shapes(self) -> tuple[tuple[int], tuple[int], tuple[int], tuple[int], tuple[int, int]]:
+        """Shapes of its arrays: q, v, which feet touch, joint torques, forces on its feet."""
+        feet = len(self.feet)
+        return (int(self.model.nq),), (int(self.model.nv),), (feet,), (self.joints,), (feet, 3)
 
     @property
     def foot_names(self) -> tuple[str, ...]:

@@ -157,7 +157,11 @@ class StairDetectionSettings(Settings):
         low=0.0,
         tuned=DETECTED + "0.0005 to 0.015",
     )
-    doubtful: float = setting(1.0, "s", "time after which an uncertain fit begins anew", low=0.0)
+    doubtful: float = setting(
+        1.0, "s", "time after which an uncertain fit begins anew", low=0.0,
+        tuned="`python -m benchmarks.learnt_ground StairDetectionSettings.doubtful --factor 3 10 100`, "
+        "2026-11-26: as good from 0.1 to 100",
+    )  # fmt: skip
     patience: float = setting(0.6, "s", "time without any edge after which stairs are over", low=0.0)
 
 
