@@ -10,7 +10,8 @@ from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.solvers import interior_point
 from surefoot.contact.solvers.central_step import Iterate, Scaling, fill_residual
 from surefoot.contact.solvers.cone_pairs import centrality, scale_pairs, weigh_rows
-from surefoot.contact.solvers.path_step import Motion, path_step
+from surefoot.contact.solvers.path_step import Motion, path_step, unequal_shares
+from surefoot.contact.solvers.step_memory import orientation
 
 NOTHING = np.empty(0)
 N, R = 10, 6
@@ -19,7 +20,8 @@ N, R = 10, 6
 class Path:
     """A random problem y = Y Yᵀ x + g + ||ȳ|| e_3 in scaled variables, and a point inside the cones."""
 
-    def __init__(self, seed: int) -> None:
+    def __init__(self, seed: int, unequal: bool = False) -> None:
+        self.unequal = unequal
         rng = np.random.default_rng(seed)
         self.rows = rng.normal(size=(3 * N, R))
         self.g = (self.rows @ rng.normal(size=R)).reshape(N, 3)
@@ -38,18 +40,22 @@ class Path:
         weigh_rows(scaling.weights, self.rows, weighed)
         lu, pivots, _ = scipy.linalg.lapack.dgetrf(np.eye(R) + self.rows.T @ weighed)
         after = Iterate(np.empty((N, 3)), np.empty(N), np.empty((N, 3)), np.empty(N))
-        length, log = path_step(
+        shares, sign = np.ones(N), 0.0
+        if self.unequal:
+            shares, sign = unequal_shares(N), -orientation(np.ascontiguousarray(lu.T), pivots)
+        length, log, _ = path_step(
             np.ascontiguousarray(lu.T), pivots, self.rows, np.ascontiguousarray(self.rows.T), self.point,
-            self.residual, scaling, gap, self.motion, after,
+            self.residual, scaling, gap, self.motion, shares, sign, 1.0, after,
         )  # fmt: skip
         assert 0.0 < length <= 1.0
         self.point = after
         return gap, far, log
 
 
+@pytest.mark.parametrize("unequal", [False, True])
 @pytest.mark.parametrize("seed", range(4))
-def test_steps_come_back_to_the_path_and_go_down_along_it(seed: int) -> None:
-    path = Path(seed)
+def test_steps_come_back_to_the_path_and_go_down_along_it(seed: int, unequal: bool) -> None:
+    path = Path(seed, unequal)
     gap, far, _ = path.step()
     for _ in range(60):
         if gap < 1e-5:
@@ -87,3 +93,32 @@ def test_a_turn_of_a_wall_of_23_bricks_is_passed() -> None:
         errors.append(run.error)
     assert errors[0] > 1e-3
     assert errors[1] <= 1e-5
+
+
+def test_the_path_that_equal_shares_lose_is_followed_with_unequal_ones() -> None:
+    """Step 97 of that wall: with equal shares steps end at an error of 1.5e-3."""
+    pytest.importorskip("mujoco")
+    from benchmarks.problems.stacked_scenes import SCENES, steps
+
+    *_, given = steps(SCENES["wall of 23"], 98)
+    problem = ContactProblem(given.problem.G, given.problem.g, given.problem.mu)
+    active = np.ones(problem.contacts, dtype=bool)
+    factor = interior_point._factor(problem, np.repeat(active, 3))
+    run = interior_point._Run(problem, active, np.zeros((problem.contacts, 3)), 1e-6, 9000, np.inf, factor)
+    assert run._go_unequally(run._start(1.0))
+    assert run.error <= 1e-6
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_orientation_is_the_sign_of_the_determinant(seed: int) -> None:
+    matrix = np.random.default_rng(seed).normal(size=(7, 7))
+    lu, pivots, _ = scipy.linalg.lapack.dgetrf(matrix)
+    assert orientation(lu.T, pivots) == np.sign(np.linalg.det(matrix))
+
+
+def test_shares_of_the_gap_are_unequal_and_one_in_the_mean() -> None:
+    shares = unequal_shares(144)
+    assert len(np.unique(shares)) == 144
+    assert shares.min() >= 0.5
+    assert shares.max() <= 1.5
+    assert shares.mean() == pytest.approx(1.0, abs=0.01)

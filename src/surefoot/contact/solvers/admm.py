@@ -51,9 +51,9 @@ LARGEST, FIRST, PROXIMAL = 3.0, 0.1, 1e-9
 RELAXATION = 1.6
 BALANCE = 3.0
 """The penalty changes when one residual exceeds the other by this factor."""
-POLISH, POLISH_EVERY, POLISH_IDLE = 1e-2, 50, 12
-"""The penalty near an answer, over the largest eigenvalue of G; iterations between two looks at the error,
-and how many in turn may not halve it."""
+POLISH, POLISH_EVERY, POLISH_IDLE, POLISH_NEAR = (1e-2, 3e-3, 3e-2), 50, 12, 1e-6
+"""Penalties near an answer, over the largest eigenvalue of G; iterations between two looks at the error, how
+many in turn may not halve it, and the error below which the penalties after the first are tried."""
 FINISH_FROM, FINISH_GROWTH = 2, 1.5
 """Looks after which something else may try to finish, and by how much later each time."""
 
@@ -343,25 +343,30 @@ def run_admm(
 
 
 def polish(problem: ContactProblem, settings: SolverSettings, forces: FloatArray) -> Answer:
-    """Iterate with one penalty from forces (n, 3) that are near an answer, until they come no nearer.
+    """Iterate from forces (n, 3) near an answer, with one penalty at a time, until they come no nearer.
 
     Near an answer the modes of most contacts are right, and the velocities that the others lack converge fast
     under a small penalty, which from far away would wander.
     """
     scaled = ScaledContacts(problem)
-    s, limit, end = Splitting(scaled, forces), _limit(settings), working_time() + settings.max_time
-    best, least, done, looks, aim = s.z.copy(), scaled.measure(s.z)[1], 0, 0, math.inf
-    run = s.iterations(POLISH * s.largest)
-    while done < limit and least > settings.tol and looks < POLISH_IDLE and working_time() < end:
-        now = min(POLISH_EVERY, limit - done)
-        run(now)
-        done += now
-        error = scaled.measure(s.z)[1]
-        if error < least:
-            best, least = s.z.copy(), error
-        looks += 1
-        if least < aim:
-            aim, looks = 0.5 * least, 0
+    limit, end = _limit(settings), working_time() + settings.max_time
+    best, least, done = start_forces(problem, forces) / scaled.D, math.inf, 0
+    for penalty in POLISH:
+        s = Splitting(scaled, (best * scaled.D).reshape(problem.shape))
+        least, looks = scaled.measure(best)[1], 0
+        aim, run = 0.5 * least, s.iterations(penalty * s.largest)
+        while done < limit and least > settings.tol and looks < POLISH_IDLE and working_time() < end:
+            now = min(POLISH_EVERY, limit - done)
+            run(now)
+            done += now
+            error = scaled.measure(s.z)[1]
+            if error < least:
+                best, least = s.z.copy(), error
+            looks += 1
+            if least < aim:
+                aim, looks = 0.5 * least, 0
+        if least <= settings.tol or least > POLISH_NEAR or done >= limit:
+            break
     return Answer((best * scaled.D).reshape(problem.shape), done)
 
 

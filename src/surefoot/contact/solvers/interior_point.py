@@ -8,7 +8,8 @@ the bodies, however many contacts hold them.
 The shift's derivative is in S: quadratic, from far away. Coulomb's law is not monotone, so that its central
 path may turn, or nearly: where steps become short the path is followed by its length (`path_step`). It loses
 itself near an answer, where forces that velocities do not determine drift with rounding (an error of 3e-6);
-from 1e-5 on ADMM with one penalty polishes what was found. Where the shift is held at what was found, a
+from 1e-5 on ADMM with one penalty polishes what was found. Where the path is lost it is followed again, all
+of it, with unequal shares of the gap: longer, and surer. Where the shift is held at what was found, a
 convex program is left that has no turns: coarse answers are reached sooner so, and fine ones where the path
 is lost. The fixed point of shifts (Acary and Cadoux) shrinks by a third to two thirds each, which Anderson's
 mixing shortens to a few, but not at all where contacts slide without any other force.
@@ -38,7 +39,7 @@ from surefoot.contact.solvers.central_step import Iterate, fill_residual
 from surefoot.contact.solvers.compiled import COMPILED_CONTACTS
 from surefoot.contact.solvers.newton_step import FEW
 from surefoot.contact.solvers.solver import Answer, SolverSettings, nearest_to_zero, register
-from surefoot.contact.solvers.step_memory import StepMemory
+from surefoot.contact.solvers.step_memory import StepMemory, Turning
 from surefoot.contact.solvers.stopping import fill_measure, velocity_error
 
 MOST, MOST_HELD, MOST_SHIFTS = 60, 40, 12
@@ -50,14 +51,18 @@ STARTS = (1.0, 3.0, 10.0, 0.3)
 """First normal forces, over what stops each contact's speed: where one leads nowhere, the next is tried."""
 LEAST, AHEAD = 0.3, 10.0
 """Least centring while the residual is so many times the gap, over their scales: else the gap ends first."""
-POLISH_FROM, NEAR, COARSE, MOST_POLISH = 1e-5, 1e-3, 3e-5, 2000
+POLISH_FROM, NEAR, COARSE, MOST_POLISH = 1e-5, 1e-3, 3e-5, 6000
 """Velocity error at which the path is left to polish what it found, that below which other forces are
 polished, the tolerance from which on no turn of the path is followed, and iterations of a polish."""
+POLISHED = 1e-7
+"""Velocity error from which on no other start leads nearer."""
 SHORT, IDLE = 0.1, 3
 """A step is short below this share of a whole one; so many short ones end a phase."""
 TURN, TURN_FROM, MOST_TURNING, PASSED = 0.3, 1e-2, 40, -0.15
 """Share of a whole step below which the path may turn, share of the first gap from which on it is followed by
 its length then, steps that this may take, and the change of the log gap after which the turn is passed."""
+MOST_UNEQUAL = 700
+"""Steps along turns of a path whose contacts have unequal shares of the gap."""
 BEFORE = 1e-5
 """Share of the first gap from which a program with a held shift begins."""
 KNOWN, HELD = 1e-2, 0.3
@@ -173,6 +178,7 @@ class _Run:
         self.scale[:, :2] = np.minimum(self.mu, 1.0)[:, None]
         self.scale[:, 2] = 1.0 / np.maximum(self.mu, 1.0)
         self.factor = factor
+        self.light = len(factor) * factor.shape[1] ** 2 <= LIGHT
         self.memory = StepMemory(np.ascontiguousarray(self.scale.reshape(-1, 1) * self.factor))
         scales = np.ascontiguousarray(problem.scales[:, active])
         weight = np.where(scales[0] > 0.0, scales[0], scales[1])
@@ -192,7 +198,7 @@ class _Run:
             return
         for start in STARTS:
             self.path = []
-            if self._from(self._start(start)) or self._over():
+            if self._from(self._start(start)) or self._over() or self.error <= POLISHED:
                 return
 
     def _from(self, first: Iterate) -> bool:
@@ -207,7 +213,17 @@ class _Run:
             return True
         if self.error <= POLISH_FROM and (self._follow(self.path[-1][1], 0, 0.0) or self._polish()):
             return True
-        return not coarse and (self._hold(first) or self._polish())
+        if not coarse and (self._hold(first) or self._polish()):
+            return True
+        # an error that small is no path lost: rounding, or a polish that came to its end
+        return self.light and self.error > POLISH_FROM and self._go_unequally(first)
+
+    def _go_unequally(self, first: Iterate) -> bool:
+        """Follow a path whose contacts have unequal shares of the gap; tell whether the problem is solved."""
+        if self._over():
+            return False
+        self.path = []
+        return self._follow(first, MOST_UNEQUAL, unequal=True) or self._polish()
 
     def _over(self) -> bool:
         """Tell whether iterations or time are spent."""
@@ -289,12 +305,13 @@ class _Run:
         u = self._velocities(forces)
         return gap, forces, u, self._error(forces, u) if gap > 0.0 else math.inf
 
-    def _follow(self, point: Iterate, turns: int, enough: float = POLISH_FROM) -> bool:
+    def _follow(self, point: Iterate, turns: int, enough: float = POLISH_FROM, unequal: bool = False) -> bool:
         """Follow the central path with the shift linearised; tell whether the problem is solved.
 
-        So many steps may go along turns. A velocity error may be enough.
+        So many steps may go along turns, with unequal shares of the gap or not. An error may be enough.
         """
-        short, turning = 0, False
+        short = 0
+        turning = Turning(True) if unequal else None
         for _ in range(min(MOST + turns, self.most - self.done)):
             gap, self.last, u, error = self._look(point, 1.0)
             if not gap > 0.0 or error <= self.tol:  # below the smallest number
@@ -305,16 +322,18 @@ class _Run:
             far = fill_residual(point.y, self.scale, u, OWN_SHIFT, self.speed, self.memory.residual)
             self.done += 1
             after: Iterate | None
-            if turning:
+            if turning is not None:
                 turns -= 1
-                log, after = self.memory.go_along(point, gap)
-                turning = turns > 0 and log > PASSED
+                log, after = turning.step(self.memory, point, gap)
+                passed = log <= PASSED and (not unequal or gap < BEFORE * self.energy)
+                if passed or turns <= 0:
+                    turning = None
             else:
                 least = LEAST if far > AHEAD * gap / self.energy else 0.0
                 length, after = self.memory.advance(point, gap, 1.0, least)
                 short = short + 1 if length < SHORT else 0
                 if length < TURN and turns > 0 and gap < TURN_FROM * self.energy:
-                    turning, short, after = True, 0, point
+                    turning, short, after = Turning(unequal), 0, point
                     self.memory.forget()
             if after is None or short >= IDLE:
                 break

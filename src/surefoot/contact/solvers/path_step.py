@@ -6,6 +6,9 @@ the cones. Seen as a curve of points and log gaps it is smooth. A step has two p
 matrix: back to the path, orthogonal to it, and on along its tangent. Lengths and angles are those of the
 scaled variables over the root of the gap, in which the border is about one away.
 
+Walls of equal bricks are symmetric, and their paths branch. With unequal shares of the gap, a contact each,
+none does: there the sign of the determinant tells which way is on, however sharply the path turns.
+
 Source: E. Allgower, K. Georg, "Introduction to numerical continuation methods", 2003, chapters 2 and 6.
 """
 
@@ -30,6 +33,8 @@ OFF_PATH, OFF_PATH_FAR = 0.05, 0.01
 TURNING = 5.0
 """Times the length of a tangent, over that of a path whose contacts keep their modes, above which the path
 may turn: then it goes on as it went, else the gap falls."""
+UNEQUAL = 0.5
+"""By how much the contacts' shares of the gap differ from each other's mean."""
 SHORTER, SHORTEST = 0.7, 1e-6
 """By how much a step is shortened that leaves the centre, and where that ends."""
 
@@ -40,6 +45,15 @@ class Motion(NamedTuple):
     dx: FloatArray
     dy: FloatArray
     log: FloatArray
+
+
+def unequal_shares(count: int) -> FloatArray:
+    """Return shares of the gap (n,), one a contact, of mean one or nearly, no two alike.
+
+    The golden ratio's multiples spread them; any others would do, but for equal ones.
+    """
+    golden = 0.5 * (math.sqrt(5.0) - 1.0)
+    return 1.0 + UNEQUAL * (2.0 * ((np.arange(1, count + 1) * golden) % 1.0) - 1.0)
 
 
 @inline_kernel
@@ -61,29 +75,37 @@ def _inner(
 @kernel
 def path_step(
     factors: FloatArray, pivots: IntArray, rows: FloatArray, across: FloatArray, point: Iterate,
-    residual: FloatArray, scaling: Scaling, gap: float, motion: Motion, after: Iterate,
-) -> tuple[float, float]:  # fmt: skip
-    """Fill the point after a step; return its length (zero where there is none) and the log gap's change.
+    residual: FloatArray, scaling: Scaling, gap: float, motion: Motion, shares: FloatArray, sign: float,
+    reach: float, after: Iterate,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Fill the point after a step; return its length (zero for none), the log gap's change and how far off.
 
-    The change is of first order. The arguments are those of `central_step`, with the shift's derivative in S;
-    the last motion is replaced.
+    The change is of first order, and how far off the path the step began is in the lengths of the module.
+    Contacts have shares (n,) of the gap, and of the step on `reach` is the share that is taken. The sign is
+    that of the gap's change; zero goes on as the last motion went, which is replaced. The others are those
+    of `central_step`, with the shift's derivative in S.
     """
     x, border_x, y, border_y = point
     axes, scaled, weights = scaling
     n = len(x)
-    space = np.zeros((8, n, 3))
+    space = np.zeros((9, n, 3))
     aim, ahead, moved, none = space[0], space[1], space[2], space[3]
-    tx, ty, cx, cy = space[4], space[5], space[6], space[7]
+    tx, ty, cx, cy, own = space[4], space[5], space[6], space[7], space[8]
     aim_pairs(axes, scaled, none, none, 0.0, 0.0, ahead)
     aim_pairs(axes, scaled, none, none, gap, 0.0, aim)
-    ahead[:] = aim - ahead
+    own[:] = ahead
+    for k in range(n):
+        for a in range(3):
+            ahead[k, a] = shares[k] * (aim[k, a] - ahead[k, a])
+            aim[k, a] = own[k, a] + ahead[k, a]
     fill_direction(factors, pivots, rows, across, weights, axes, y, 1.0, ahead, none, moved, tx, ty)
     fill_direction(factors, pivots, rows, across, weights, axes, y, 1.0, aim, residual, moved, cx, cy)
     size = math.sqrt(_inner(axes, gap, tx, ty, tx, ty) + n)
-    sign = -1.0
-    if size > TURNING * math.sqrt(2.0 * n):
+    if sign == 0.0:
+        sign = -1.0
+        turns = size > TURNING * math.sqrt(2.0 * n)
         along = _inner(axes, gap, motion.dx, motion.dy, tx, ty) + n * motion.log[0]
-        sign = 1.0 if along > 0.0 else -1.0
+        sign = 1.0 if turns and along > 0.0 else -1.0
     part = _inner(axes, gap, cx, cy, tx, ty) / size**2
     cx -= part * tx
     cy -= part * ty
@@ -91,12 +113,12 @@ def path_step(
     back = min(1.0, BACK * longest_inside(x, border_x, y, border_y, cx, cy))
     tx *= sign / size
     ty *= sign / size
-    on = ON * longest_inside(x, border_x, y, border_y, tx, ty) if off < NEAR else 0.0
+    on = reach * ON * longest_inside(x, border_x, y, border_y, tx, ty) if off < NEAR else 0.0
     cx[:] = back * cx + on * tx
     cy[:] = back * cy + on * ty
     log = on * sign / size - back * part
     if not abs(log) < np.inf:
-        return 0.0, 0.0
+        return 0.0, 0.0, off
     length, least = 1.0, OFF_PATH if off < NEAR else OFF_PATH_FAR
     while length > SHORTEST:
         inside = move_points(x, border_x, cx, length, after.x, after.border_x)
@@ -104,6 +126,6 @@ def path_step(
         if inside and centrality(after.x, after.border_x, after.y, after.border_y) >= least:
             if on > 0.0:
                 motion.dx[:], motion.dy[:], motion.log[0] = cx, cy, log
-            return length, length * log
+            return length, length * log, off
         length *= SHORTER
-    return 0.0, 0.0
+    return 0.0, 0.0, off

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import scipy.linalg
 
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.contact.solvers import cone_pairs as pairs
 from surefoot.contact.solvers.central_step import Iterate, Scaling, central_step
-from surefoot.contact.solvers.path_step import Motion, path_step
+from surefoot.contact.solvers.path_step import NEAR, Motion, path_step, unequal_shares
+
+LONGER, SHORTENED, LEAST_REACH = 1.5, 0.4, 1e-4
+"""By what the reach of steps along turns grows while the path is met, and shrinks where it is lost."""
+MOST_BACK, NEARER = 4, 0.8
+"""Steps back to the path, and the share of its distance that one has to leave at most, else it is lost."""
 
 
 class StepMemory:
@@ -21,6 +28,7 @@ class StepMemory:
         self.weighed, self.residual = np.empty((3 * n, r)), np.empty((n, 3))
         self.diagonal = np.diag_indices(r)
         self.motion = Motion(np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(1))
+        self.equal, self.unequal = np.ones(n), unequal_shares(n)
 
     def scale(self, point: Iterate, share: float) -> float:
         """Fill the scalings of a point; return its gap, the mean of x · y."""
@@ -45,18 +53,63 @@ class StepMemory:
         )
         return length, after if length > 0.0 else None
 
-    def go_along(self, point: Iterate, gap: float) -> tuple[float, Iterate | None]:
-        """Take a step by the path's length; return the change of the log gap, and the point after it."""
+    def go_along(
+        self, point: Iterate, gap: float, unequal: bool = False, reach: float = 1.0
+    ) -> tuple[float, float, Iterate | None]:
+        """Take a step by the path's length, of which reach is a share, with equal shares of the gap or not.
+
+        Return the change of the log gap, how far off the path the point was, and the point after it.
+        """
         factors = self.factors()
         if factors is None:
-            return 0.0, None
+            return 0.0, np.inf, None
         after = Iterate(*(np.empty_like(part) for part in point))
-        length, log = path_step(
-            *factors, self.rows, self.across, point, self.residual, self.scaling, gap, self.motion, after
-        )
-        return log, after if length > 0.0 else None
+        # a determinant tells where to go on only along a path without branches: equal bricks branch
+        shares, sign = (self.unequal, -orientation(*factors)) if unequal else (self.equal, 0.0)
+        length, log, off = path_step(
+            *factors, self.rows, self.across, point, self.residual, self.scaling, gap, self.motion, shares,
+            sign, reach, after,
+        )  # fmt: skip
+        return log, off, after if length > 0.0 else None
 
     def forget(self) -> None:
         """Forget the last step along the path."""
         for part in self.motion:
             part[:] = 0.0
+
+
+def orientation(factors: FloatArray, pivots: IntArray) -> float:
+    """Return the sign of a matrix's determinant, from LAPACK's factors (r, r) and pivots (r,).
+
+    Along a path that has no branches the gap falls where it is positive, and rises where it is not.
+    """
+    turned = np.count_nonzero(np.diagonal(factors) < 0.0)
+    swapped = np.count_nonzero(pivots != np.arange(pivots.size))
+    return 1.0 if (turned + swapped) % 2 == 0 else -1.0
+
+
+class Turning:
+    """Steps along turns of the path: how far they reach, and where the path was met last."""
+
+    def __init__(self, unequal: bool) -> None:
+        self.unequal = unequal
+        self.met: Iterate | None = None
+        self.reach, self.off, self.back = 1.0, math.inf, 0
+
+    def step(self, memory: StepMemory, point: Iterate, gap: float) -> tuple[float, Iterate | None]:
+        """Return the change of the log gap and the point after a step.
+
+        Where steps do not lead back to the path, they start again from where it was met last, shorter.
+        """
+        log, off, after = memory.go_along(point, gap, self.unequal, self.reach)
+        if not self.unequal:
+            return log, after
+        if off < NEAR:
+            self.reach, self.met, self.back = min(1.0, LONGER * self.reach), point, 0
+        else:
+            self.back += 1
+            lost = self.back > MOST_BACK or (self.back > 1 and off > NEARER * self.off)
+            if (lost or after is None) and self.met is not None and self.reach > LEAST_REACH:
+                self.reach, self.back, off, after = SHORTENED * self.reach, 0, math.inf, self.met
+        self.off = off
+        return log, after
