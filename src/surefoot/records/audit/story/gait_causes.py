@@ -88,11 +88,9 @@ def placement(s: Signals) -> Iterator[Sign]:
     """
     found: list[tuple[float, Sign]] = []
     for link, landed in landings(s).items():
-        late, beside = _late(s, link, landed), _beside(s, link, landed)
-        if late is not None:
-            found.append((late.time, late))
-        if beside is not None:
-            found.append((float(s.time[beside[0].lifted]), beside[1]))
+        for sign in (_late(s, link, landed), _beside(s, link, landed)):
+            if sign is not None:
+                found.append((sign.time if sign.since is None else sign.since, sign))
     first = min((begun for begun, _ in found), default=0.0)
     of_first = [sign for begun, sign in found if begun <= first + s.limits.brief]
     yield from sorted(of_first, key=lambda x: -x.strength)[:1]
@@ -110,8 +108,8 @@ def late_catch(s: Signals) -> Iterator[Sign]:
         yield Sign(float(s.time[t]), link, words, 0.3)
 
 
-def _beside(s: Signals, link: str, landed: list[Landing]) -> tuple[Landing, Sign] | None:
-    """Return the first landing of a foot that is far from where it landed before, and what it says."""
+def _beside(s: Signals, link: str, landed: list[Landing]) -> Sign | None:
+    """Return the first landing of a foot that is far from where it landed before."""
     for k in range(HISTORY, len(landed)):
         before = landed[max(0, k - 3) : k]
         middle = np.median([x.place for x in before], axis=0)
@@ -125,8 +123,8 @@ def _beside(s: Signals, link: str, landed: list[Landing]) -> tuple[Landing, Sign
                 f"{link} lands {100.0 * float(np.linalg.norm(way)):.0f} cm from where it has landed before "
                 f"({100.0 * way[0]:+.0f} cm ahead, {100.0 * way[1]:+.0f} cm to the left)"
             )
-            sign = Sign(float(s.time[landed[k].row]), link, words, float(np.linalg.norm(way)) / limit)
-            return landed[k], sign
+            begun = float(s.time[landed[k].lifted])
+            return Sign(float(s.time[landed[k].row]), link, words, float(np.linalg.norm(way)) / limit, begun)
     return None
 
 
