@@ -42,6 +42,8 @@ class Rule:
         Whether its first sign comes late: what begins as soon before it counts as its consequence.
     residual
         Whether it is told only by what it leads to: it is a cause where no other is.
+    dear
+        Whether it takes long to look for: of a robot with a free base that has not failed it is not.
     without
         The counterfactual, recomputed from what speaks for it and the failure; None from a log that does not
         allow it. None where no log does.
@@ -56,6 +58,7 @@ class Rule:
     outside: bool = False
     leads: bool = False
     residual: bool = False
+    dear: bool = False
     without: Callable[[Signals, Sign, Event], counterfactuals.Without | None] | None = None
 
 
@@ -118,7 +121,7 @@ RULES = (
     ),
     Rule(
         "delayed control", control_causes.delay, "torques answer the state of their own row",
-        "use the newest measurement; lower the gains for the delay that is left", outside=True,
+        "use the newest measurement; lower the gains for the delay that is left", outside=True, dear=True,
     ),
     Rule(
         "saturated actuator", control_causes.saturation, "no torque is at its limit for long",

@@ -137,11 +137,13 @@ def delay(s: Signals) -> Iterator[Sign]:
     def left(lag: int) -> float:
         return _open_share(s.asked, (q, v), s.base_state, stands, free, lag, pairs)
 
+    without = left(0)
+    if without < s.limits.lag_better:
+        return
     step = max(1, s.rows(COARSE))
     # below a step every lag is tried: torques may turn from row to row
     near = min(sorted({*range(step), *range(0, longest + 1, step)}), key=left)
     best = min(range(max(near - step + 1, 0), min(near + step, longest + 1)), key=left)
-    without = left(0)
     if not 2 * step <= best <= longest - 2 * step:
         return
     # a delay is one time: a little before and after it less is explained
@@ -163,8 +165,8 @@ def _open_share(
 ) -> float:
     """Return the share of torques' changes (T, joints) that those of the state of then leave open.
 
-    Changes are those between pairs of rows, then is `lag` rows before. Each joint answers its own position and
-    velocity and the state (T, n) of the base, by gains that are fitted over the rows that are `free`
+    Changes are those between pairs of rows, then is `lag` rows before. Each joint answers its own position
+    and velocity and the state (T, n) of the base, by gains that are fitted over the rows that are `free`
     (T, joints): those of a robot that stands, and those of one in the air, between which controllers switch.
     """
     one, two = pairs
@@ -186,10 +188,12 @@ def _explain_by_gains(change: FloatArray, state: FloatArray, on: BoolArray) -> t
     """
     change = np.where(on, change, 0.0)
     state = np.where(on[..., None], state, 0.0)
-    size = np.sqrt(np.einsum("tjk,tjk->jk", state, state))
-    state = state / np.where(size > 0.0, size, 1.0)
-    squares = np.einsum("tjk,tjl->jkl", state, state) + 1e-9 * np.eye(state.shape[-1])
-    product = np.einsum("tjk,tj->jk", state, change)
+    rows = np.ascontiguousarray(state.transpose(1, 2, 0))
+    squares = rows @ rows.transpose(0, 2, 1)
+    size = np.sqrt(np.einsum("jkk->jk", squares))
+    size = np.where(size > 0.0, size, 1.0)
+    squares = squares / (size[:, :, None] * size[:, None, :]) + 1e-9 * np.eye(rows.shape[1])
+    product = (rows @ change.T[..., None])[..., 0] / size
     gains = np.linalg.solve(squares, product[..., None])[..., 0]
     good = on.sum(axis=0) >= 20
     total, told = np.einsum("tj,tj->j", change, change), np.einsum("jk,jk->j", gains, product)

@@ -54,7 +54,8 @@ def story_of(
         # what is read off such forces says nothing
         cause = _cause(WRONG_FRAME, frame)
         return Story((_event(cause),), (cause,), failed)
-    rules = [rule for rule in RULES if failed is not None or rule.alone or rule.outside or s.bolted]
+    cheap = [rule for rule in RULES if not rule.dear and (rule.alone or rule.outside)]
+    rules = RULES if failed is not None or s.bolted else cheap
     found = [(rule, sign) for rule in rules for sign in rule.find(s)]
     ordered = _order(found, s, failed)
     if not ordered and failed is not None and failed.name in DRAWN_OUT:
