@@ -61,7 +61,7 @@ def without_ice(s: Signals, sign: Sign, failed: Event) -> Without | None:
     there = s.mu[row][feet & s.loaded[row]]
     if not len(there) or not s.positions.any():
         return None
-    needs, best = _needed_before(s, row, feet), float(there.min())
+    needs, best = _friction_before(s, row, feet), float(there.min())
     before = float(np.where(s.loaded[:row] & feet, s.mu[:row], 0.0).max(initial=0.0))
     if needs is None or before <= best or needs > before:
         return None
@@ -69,7 +69,7 @@ def without_ice(s: Signals, sign: Sign, failed: Event) -> Without | None:
     return Without(True, words + ("does too" if needs <= best else "does not"))
 
 
-def _needed_before(s: Signals, row: int, feet: BoolArray) -> float | None:
+def _friction_before(s: Signals, row: int, feet: BoolArray) -> float | None:
     """Return the most friction that loaded feet needed in rows before a slip; None without any."""
     first = max(row - s.rows(BEFORE), 0)
     rows = np.flatnonzero(
@@ -78,12 +78,12 @@ def _needed_before(s: Signals, row: int, feet: BoolArray) -> float | None:
     if not len(rows):
         return None
     chosen = first + rows[np.linspace(0, len(rows) - 1, min(SAMPLES, len(rows))).astype(int)]
-    needs = [_needed(s, int(t), s.loaded[t] & feet) for t in chosen]
+    needs = [_friction_in(s, int(t), s.loaded[t] & feet) for t in chosen]
     known = [n for n in needs if np.isfinite(n)]
     return max(known) if known else None
 
 
-def _needed(s: Signals, row: int, on: BoolArray) -> float:
+def _friction_in(s: Signals, row: int, on: BoolArray) -> float:
     """Return the least friction with which contacts give the wrench that they gave in a row."""
     places, forces = s.positions[row][on], s.world_forces[row][on]
     moment = np.cross(places - s.com[row], forces).sum(axis=0)
