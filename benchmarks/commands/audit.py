@@ -52,6 +52,9 @@ def audit(
         bool,
         typer.Option("--held-back", help="The half of the seeds of --foreign that rules are not tuned on."),
     ] = False,
+    others: Annotated[
+        bool, typer.Option("--others", help="Loops of --foreign of other robots, that no rule is tuned on.")
+    ] = False,
     cause: Annotated[list[str] | None, typer.Option(help="Only this cause; may be repeated.")] = None,
     clean: Annotated[int, typer.Option(min=1, help="Clean runs that seeded faults are put into.")] = 100,
     quick: Annotated[bool, typer.Option("--quick", help="A few runs only.")] = False,
@@ -70,7 +73,7 @@ def audit(
     elif gymnasium:
         _gymnasium(assets, quick, out, as_json)
     elif foreign:
-        _foreign(seeds, held_back, cause, quick, out, as_json)
+        _foreign(seeds, held_back, others, cause, quick, out, as_json)
     else:
         _seeded(4 if quick else clean, quick, out, as_json)
 
@@ -151,10 +154,11 @@ def _gymnasium(folder: Path | None, quick: bool, out: Path | None, as_json: bool
 
 
 def _foreign(
-    seeds: int, held_back: bool, causes: list[str] | None, quick: bool, out: Path | None, as_json: bool
+    seeds: int, held_back: bool, others: bool, causes: list[str] | None, quick: bool, out: Path | None,
+    as_json: bool,
 ) -> None:  # fmt: skip
     from benchmarks.foreign.causes import CAUSES
-    from benchmarks.foreign.race import LAWFUL, TUNING, plan, summary, trials
+    from benchmarks.foreign.race import LAWFUL, TUNING, plan, plan_of_others, summary, trials
     from surefoot.base.errors import ProblemError, unknown_name
 
     known = [one.name for one in CAUSES]
@@ -164,7 +168,10 @@ def _foreign(
     if quick:
         causes, seeds = causes or list(QUICK_CAUSES), 1
     first = TUNING if held_back else 0
-    tasks = plan(range(first, first + seeds), 1 if quick else LAWFUL, causes or ())
+    if others:
+        tasks = plan_of_others(range(seeds), causes or ())
+    else:
+        tasks = plan(range(first, first + seeds), 1 if quick else LAWFUL, causes or ())
     rows: list[Trial] = []
     with plain_console(stderr=True).status("audit") as status:
         try:
@@ -173,7 +180,7 @@ def _foreign(
                 status.update(f"{len(rows)} of {len(tasks)}: {trial.loop}, {trial.cause or 'lawful'}")
         except KeyboardInterrupt:
             typer.echo(f"interrupted: {len(rows)} of {len(tasks)} runs are told", err=True)
-    half = "held back" if held_back else "for tuning"
+    half = "other robots" if others else "held back" if held_back else "for tuning"
     record = {"seeds": seeds, "half": half, "planned": len(tasks), **summary(rows)}
     title = f"causes of strangers' failures, {seeds} seeds each, {half}"
     report(record, as_json, lambda console: _print(console, title, record, rows), WIDTH, out, "audit-foreign")

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from benchmarks.foreign import (
+    balancer,
+    balancer_faults,
+    hexapod,
+    hexapod_faults,
     hopper,
     hopper_faults,
     humanoid,
@@ -24,6 +28,11 @@ LOOPS = (
     ),
     Loop("pd humanoid", humanoid.mjcf, humanoid.HumanoidControl, humanoid.vary, humanoid_faults.FAULTS),
 )  # fmt: skip
+OTHERS = (
+    Loop("servo hexapod", hexapod.mjcf, hexapod.HexapodControl, hexapod.vary, hexapod_faults.FAULTS),
+    Loop("wheeled balancer", balancer.mjcf, balancer.BalancerControl, balancer.vary, balancer_faults.FAULTS),
+)  # fmt: skip
+"""Loops of other robots, all of whose seeds are held back: no rule was tuned on them."""
 
 
 def failed(cause: str, seed: int) -> Run:

@@ -14,7 +14,7 @@ from typing import Any
 import surefoot as sf
 from benchmarks.foreign.causes import CAUSES
 from benchmarks.foreign.fault import Run
-from benchmarks.foreign.loops import LOOPS, failed
+from benchmarks.foreign.loops import LOOPS, OTHERS, failed
 
 NEAR = 0.15
 """A cause is dated right within this [s]."""
@@ -98,11 +98,21 @@ def plan(seeds: Sequence[int], lawful: int, causes: Sequence[str] = ()) -> list[
     return out + [(loop.name, "", seed) for loop in LOOPS for seed in range(lawful)]
 
 
+def plan_of_others(seeds: Sequence[int], causes: Sequence[str] = ()) -> list[tuple[str, str, int]]:
+    """Return what to run of the loops that no rule was tuned on: their failures, and as many controls."""
+    failures = [(loop.name, c, seed) for loop in OTHERS for c in loop.faults for seed in seeds]
+    controls = [(loop.name, "", seed) for loop in OTHERS for seed in seeds]
+    return [one for one in failures if not causes or one[1] in causes] + controls
+
+
 def trials(tasks: Sequence[tuple[str, str, int]]) -> Iterator[Trial]:
     """Yield a trial for each of the tasks."""
-    loops = {loop.name: loop for loop in LOOPS}
+    loops = {loop.name: loop for loop in (*LOOPS, *OTHERS)}
     for loop, cause, seed in tasks:
-        yield judged(failed(cause, seed) if cause else loops[loop].lawful(seed))
+        if loop:
+            yield judged(loops[loop].failed(cause, seed) if cause else loops[loop].lawful(seed))
+        else:
+            yield judged(failed(cause, seed))
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import pytest
 
 from benchmarks.foreign import race
 from benchmarks.foreign.causes import CAUSES
-from benchmarks.foreign.loops import LOOPS, failed
+from benchmarks.foreign.loops import LOOPS, OTHERS, failed
 from benchmarks.foreign.simulation import Loop
 from surefoot.app.cli.main import main
 
@@ -21,7 +21,7 @@ SHORT = [("pd quadruped", "weak actuator"), ("hopper", "delayed control"), ("pd 
 """Failures that come within a second or two of the run."""
 
 
-@pytest.mark.parametrize("loop", LOOPS, ids=lambda loop: loop.name)
+@pytest.mark.parametrize("loop", (*LOOPS, *OTHERS), ids=lambda loop: loop.name)
 def test_a_loop_without_a_fault_attains_its_task(loop: Loop) -> None:
     run = loop.lawful(0)
     assert run.failure == ""
@@ -54,6 +54,25 @@ def test_a_fault_makes_its_loop_fail(loop: str, cause: str) -> None:
 @pytest.mark.parametrize(("loop", "cause"), [pair for pair in PAIRS if pair not in SHORT])
 def test_every_fault_makes_its_loop_fail(loop: str, cause: str) -> None:
     fails(loop, cause)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("loop", "cause"), [(loop, cause) for loop in OTHERS for cause in loop.faults], ids=str
+)
+def test_every_fault_makes_another_robot_fail(loop: Loop, cause: str) -> None:
+    run = loop.failed(cause, 0)
+    assert run.failure
+    assert run.fault is not None
+    assert run.fault.cause == cause
+
+
+def test_other_robots_are_of_no_half() -> None:
+    tasks = race.plan_of_others(range(2))
+    assert {loop for loop, _, _ in tasks} == {loop.name for loop in OTHERS}
+    assert len(tasks) == 2 * sum(len(loop.faults) + 1 for loop in OTHERS)
+    assert not set(tasks) & set(race.plan(range(race.HELD_BACK), race.LAWFUL))
+    assert {cause for _, cause, _ in race.plan_of_others([0], ["push"])} == {"push", ""}
 
 
 def test_a_seed_is_one_run() -> None:

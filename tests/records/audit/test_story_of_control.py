@@ -19,6 +19,8 @@ ABLE = {loop.name: loop for loop in LOOPS}
     [
         ("hopper", "foot placement", 1),  # a foot set down beside where it was so far
         ("pd quadruped", "foot placement", 0),  # and one that comes late
+        ("pd quadruped", "foot placement", 22),  # of all that come late the first
+        ("pd quadruped", "foot placement", 26),  # lifted late, swung as long as ever
         ("pd humanoid", "sensor bias", 7),  # a joint's angle jumps, of which the torque tells
         ("hopper", "slow gait", 1),
         ("arm pushing a box", "self-collision", 1),  # a bolted arm runs into its own stand

@@ -55,8 +55,8 @@ def draw_panels_of_story(report: AuditReport, figure: Any) -> None:
     setting = setting_of(log, None, report.limits)
     s = Signals(log, setting)
     panels = _panels(s, report)
-    figure.set_size_inches(9.0, 2.6 + 1.5 * len(panels))
-    ratios = {"height_ratios": [2.0] + [1.3] * len(panels), "hspace": 0.25, "right": 0.8}
+    figure.set_size_inches(6.0, 2.6 + 1.3 * len(panels))  # letters that are read at 400 pixels, too
+    ratios = {"height_ratios": [2.0] + [1.3] * len(panels), "hspace": 0.25, "right": 0.76, "left": 0.13}
     axes = figure.subplots(1 + len(panels), 1, squeeze=False, gridspec_kw=ratios)[:, 0]
     for axis, label in zip(axes[1:], panels, strict=True):
         axis.set_ylabel(label)
@@ -70,20 +70,23 @@ def draw_panels_of_story(report: AuditReport, figure: Any) -> None:
         draw_columns(axis, s.time, curves, names)
         if limit is not None:
             axis.axhline(limit, color=BAD, lw=0.8, ls=":")
-        axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=7)
+        axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=8, handlelength=1.0)
     for axis in axes[1:]:
         for time, _, is_cause in moments:
             axis.axvline(time, color=BAD if is_cause else MUTED, lw=1.2 if is_cause else 0.8)
     if panels:
         axes[-1].set_xlim(report.start, max(report.end, report.start + 1e-6))
-    figure.suptitle(_title(report), fontsize=9, color=INK, wrap=True)
+    figure.suptitle(_title(report), fontsize=10, color=INK, wrap=True)
 
 
 def _title(report: AuditReport) -> str:
-    """Return the first two sentences of the story, broken into lines."""
+    """Return how it failed and its first cause, broken into lines: the rest stands in the paragraph."""
     import textwrap
 
-    return "\n".join(textwrap.wrap(str(report.story), 110)[:4])
+    failed, first = report.story.failure, report.first_cause
+    words = [] if failed is None else [f"{failed.time:.2f} s: {failed.name}, {failed.evidence}."]
+    words += [] if first is None else [f"First cause: {first.name} at {first.where}, {first.evidence}."]
+    return "\n".join(textwrap.wrap(" ".join(words) or str(report.story), 70)[:4])
 
 
 def _moments(report: AuditReport, s: Signals) -> list[tuple[float, str, bool]]:
@@ -146,8 +149,10 @@ def _draw_robots(axis: Any, s: Signals, setting: Setting, moments: list[tuple[fl
         com = at(s.com[row][None])[0]
         axis.plot(*com, "o", color=INK, ms=3)
         colour = BAD if is_cause else INK
-        axis.text(place + 0.5, 0.62, f"{time:.2f} s", ha="center", fontsize=7, color=colour)
-        axis.text(place + 0.5, 0.78, words, ha="center", va="bottom", fontsize=7, color=colour)
+        axis.text(place + 0.5, 0.62, f"{time:.2f} s", ha="center", fontsize=8, color=colour)
+        axis.text(
+            place + 0.5, 0.78, words.replace(" ", "\n"), ha="center", va="bottom", fontsize=8, color=colour
+        )
     axis.set_ylim(-0.8, 1.1)
 
 

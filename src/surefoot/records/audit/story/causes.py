@@ -6,9 +6,16 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from surefoot.records.audit.report import Finding
-from surefoot.records.audit.story import control_causes, gait_causes, sensor_causes, world_causes
+from surefoot.records.audit.story import (
+    control_causes,
+    counterfactuals,
+    gait_causes,
+    sensor_causes,
+    world_causes,
+)
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
+from surefoot.records.audit.story.told import Event
 
 
 @dataclass(frozen=True)
@@ -35,6 +42,11 @@ class Rule:
         Whether its first sign comes late: what begins as soon before it counts as its consequence.
     residual
         Whether it is told only by what it leads to: it is a cause where no other is.
+    dear
+        Whether it takes long to look for: of a robot with a free base that has not failed it is not.
+    without
+        The counterfactual, recomputed from what speaks for it and the failure; None from a log that does not
+        allow it. None where no log does.
     """
 
     name: str
@@ -46,6 +58,8 @@ class Rule:
     outside: bool = False
     leads: bool = False
     residual: bool = False
+    dear: bool = False
+    without: Callable[[Signals, Sign, Event], counterfactuals.Without | None] | None = None
 
 
 FRAMES = ("wrong frame", "reversed", "mirrored", "swapped feet", "wrong scale")
@@ -65,23 +79,27 @@ RULES = (
     Rule(
         "push", world_causes.push, "the impulse is too small to matter, or was long before",
         "plan for it: wider stance, quicker steps, or keep away", lasts=False, alone=False, outside=True,
+        without=counterfactuals.without_push,
     ),
     Rule(
         "payload", world_causes.payload, "the mass of the robot is what it was",
         "estimate the load and give it to the controller", outside=True,
+        without=counterfactuals.without_load,
     ),
     Rule(
         "weak actuator", control_causes.weak, "it gives what is asked for within its limits",
         "check the drive; make the controller stop, or walk without it", outside=True,
+        without=counterfactuals.without_limit,
     ),
     Rule(
         "slope too steep", world_causes.slope, "friction holds on that tilt",
         "less slope, or feet with more friction", alone=False, outside=True,
+        without=counterfactuals.without_slope,
     ),
     Rule(
         "slippery ground", world_causes.slippery, "the foot sticks on as much friction as before",
         "ask for less tangential force: slower, wider, the friction told to the controller", lasts=False,
-        alone=False, outside=True,
+        alone=False, outside=True, without=counterfactuals.without_ice,
     ),
     Rule(
         "terrain edge", world_causes.edge, "all feet stand on the plane that they began on",
@@ -103,11 +121,11 @@ RULES = (
     ),
     Rule(
         "delayed control", control_causes.delay, "torques answer the state of their own row",
-        "use the newest measurement; lower the gains for the delay that is left", outside=True,
+        "use the newest measurement; lower the gains for the delay that is left", outside=True, dear=True,
     ),
     Rule(
         "saturated actuator", control_causes.saturation, "no torque is at its limit for long",
-        "slower or smaller motions, or stronger motors",
+        "slower or smaller motions, or stronger motors", without=counterfactuals.without_limit,
     ),
     Rule(
         "impossible command", control_causes.impossible, "the speed is possible, and no joint is at its stop",

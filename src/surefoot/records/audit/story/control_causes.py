@@ -9,14 +9,19 @@ import numpy as np
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.numerics.windows import sliding_mean
 from surefoot.base.spatial import GRAVITY
+from surefoot.records.audit.story.failure import fall
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.story.world_causes import model_changes
 
-LAGS, COARSE = 0.065, 0.004
-"""Longest delay that is looked for, and in which steps at first [s]."""
+LAGS, COARSE = 0.07, 0.004
+"""Longest lag that is tried, two steps beyond the longest delay, and in which steps at first [s]."""
+FALLING = 0.25
+"""Time for which a robot that falls is still controlled [s]."""
 ENOUGH = 1000
 """Rows from which a delay is told; of a longer log every so many."""
+MOST_OPEN = 0.5
+"""Share of the torques' changes that a delay may leave open: else they answer something else."""
 HELD, LEAST_TICKS = 0.95, 20
 """Share of torques held for some rows that turn in chatter, of so many: by chance two of three turn."""
 
@@ -116,26 +121,34 @@ def delay(s: Signals) -> Iterator[Sign]:
     """Yield that torques answer the state of some time ago: explained far better with a lag than without."""
     q, v = s.joint_state
     longest = s.rows(LAGS)
-    if not q.shape[1] or len(q) < 4 * longest or q.shape != s.torques.shape:
+    if not q.shape[1] or q.shape != s.torques.shape:
         return
     # what is asked for answers the state also while the motor is at its limit
     free = np.ones(q.shape, dtype=bool) if "torques_commanded" in s else ~at_limit(s)
-
-    ticks = s.ticks[s.ticks >= longest]
-    pairs = ticks[:-1], ticks[1:]
+    stands = np.asarray((s.loaded & s.ground_feet).any(axis=1))
+    fell = fall(s)
+    last = np.inf if fell is None else fell.time + FALLING  # what lies on the ground is driven into its stops
+    if len(q) < 4 * longest:
+        return
+    ticks = s.ticks[(s.ticks >= longest) & (s.time[s.ticks] < last)]
+    stride = max(1, (len(ticks) - 1) // ENOUGH)
+    pairs = ticks[:-1][::stride], ticks[1:][::stride]
 
     def left(lag: int) -> float:
-        return _open_share(s.asked, q, v, free, lag, pairs)
+        return _open_share(s.asked, (q, v), s.base_state, stands, free, lag, pairs)
 
-    step = max(1, s.rows(COARSE))
-    near = min(range(0, longest + 1, step), key=left)
-    best = min(range(max(near - step + 1, 0), min(near + step, longest + 1)), key=left)
     without = left(0)
+    if without < s.limits.lag_better:
+        return
+    step = max(1, s.rows(COARSE))
+    # below a step every lag is tried: torques may turn from row to row
+    near = min(sorted({*range(step), *range(0, longest + 1, step)}), key=left)
+    best = min(range(max(near - step + 1, 0), min(near + step, longest + 1)), key=left)
+    if not 2 * step <= best <= longest - 2 * step:
+        return
     # a delay is one time: a little before and after it less is explained
-    beside = min(
-        (left(lag) for lag in (best - 2 * step, best + 2 * step) if 0 <= lag <= longest), default=0.0
-    )
-    sharp = left(best) < beside - 0.5 * s.limits.lag_better
+    beside = min(left(best - 2 * step), left(best + 2 * step))
+    sharp = left(best) < min(beside - 0.5 * s.limits.lag_better, MOST_OPEN)
     if sharp and best * s.dt >= s.limits.lag and left(best) < without - s.limits.lag_better:
         words = f"torques answer the state of {1e3 * best * s.dt:.0f} ms ago"
         yield Sign(float(s.time[0]), "body", words, 1.0 - left(best) / without)
@@ -143,30 +156,48 @@ def delay(s: Signals) -> Iterator[Sign]:
 
 def _open_share(
     torque: FloatArray,
-    q: FloatArray,
-    v: FloatArray,
+    joints: tuple[FloatArray, FloatArray],
+    base: FloatArray,
+    stands: BoolArray,
     free: BoolArray,
     lag: int,
     pairs: tuple[IntArray, IntArray],
 ) -> float:
-    """Return the share of torques' changes (T, joints) that those of q and v so many rows before leave open.
+    """Return the share of torques' changes (T, joints) that those of the state of then leave open.
 
-    Changes are those between pairs of rows. Joint by joint a stiffness and a damping are fitted, by the rows
-    that are `free` (T, joints).
+    Changes are those between pairs of rows, then is `lag` rows before. Each joint answers its own position
+    and velocity and the state (T, n) of the base, by gains that are fitted over the rows that are `free`
+    (T, joints): those of a robot that stands, and those of one in the air, between which controllers switch.
     """
-    stride = max(1, len(pairs[0]) // ENOUGH)
-    one, two = (rows[::stride] for rows in pairs)
-    on = free[two]
-    t, x, y = torque[two] - torque[one], q[two - lag] - q[one - lag], v[two - lag] - v[one - lag]
-    if not on.all():
-        t, x, y = (np.where(on, part, 0.0) for part in (t, x, y))
-    pairs_of = ((t, t), (x, x), (y, y), (x, y), (t, x), (t, y))
-    total, xx, yy, xy, tx, ty = (np.einsum("tj,tj->j", a, b) for a, b in pairs_of)
-    det = xx * yy - xy * xy
-    good = (det > 1e-9 * xx * yy) & (on.sum(axis=0) >= 20)
-    explained = (tx * tx * yy - 2.0 * tx * ty * xy + ty * ty * xx) / np.where(good, det, 1.0)
-    whole = float(np.sum(total[good]))
-    return 1.0 - float(np.sum(explained[good])) / whole if whole > 0.0 else 1.0
+    one, two = pairs
+    total = explained = 0.0
+    for mode in (False, True):
+        alike = (stands[one - lag] == mode) & (stands[two - lag] == mode)
+        a, b = one[alike], two[alike]
+        own = np.stack([x[b - lag] - x[a - lag] for x in joints], axis=-1)
+        common = np.broadcast_to((base[b - lag] - base[a - lag])[:, None], (*own.shape[:2], base.shape[1]))
+        part = _explain_by_gains(torque[b] - torque[a], np.concatenate([own, common], axis=-1), free[b])
+        total, explained = total + part[0], explained + part[1]
+    return 1.0 - explained / total if total > 0.0 else 1.0
+
+
+def _explain_by_gains(change: FloatArray, state: FloatArray, on: BoolArray) -> tuple[float, float]:
+    """Return the sum of squares of changes (T, joints), and what gains on those of the state explain of it.
+
+    Joints of which fewer than twenty rows are `on` (T, joints) count for nothing.
+    """
+    change = np.where(on, change, 0.0)
+    state = np.where(on[..., None], state, 0.0)
+    rows = np.ascontiguousarray(state.transpose(1, 2, 0))
+    squares = rows @ rows.transpose(0, 2, 1)
+    size = np.sqrt(np.einsum("jkk->jk", squares))
+    size = np.where(size > 0.0, size, 1.0)
+    squares = squares / (size[:, :, None] * size[:, None, :]) + 1e-9 * np.eye(rows.shape[1])
+    product = (rows @ change.T[..., None])[..., 0] / size
+    gains = np.linalg.solve(squares, product[..., None])[..., 0]
+    good = on.sum(axis=0) >= 20
+    total, told = np.einsum("tj,tj->j", change, change), np.einsum("jk,jk->j", gains, product)
+    return float(total[good].sum()), float(told[good].sum())
 
 
 def chatter(s: Signals) -> Iterator[Sign]:

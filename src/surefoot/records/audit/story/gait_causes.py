@@ -26,10 +26,8 @@ HISTORY = 2
 """Landings of a foot from which it is known where it belongs."""
 BESIDE, FOLLOWS = 0.1, 0.1
 """Way beside that over the height, and what a change of velocity moves a foothold by [s]."""
-MOMENT = 0.3
-"""Time in which steps of several feet are of one disturbance [s]."""
 LATER = 1.2
-"""Time of a swing over the longest before."""
+"""Time of a swing, or from one landing to the next, over the longest before."""
 SURE = 0.6
 """Strength of what a gait itself says."""
 
@@ -85,13 +83,17 @@ def left_the_feet(s: Signals) -> int | None:
 def placement(s: Signals) -> Iterator[Sign]:
     """Yield the foot that lands beside where it landed before, or later than its swings before.
 
-    One foot's wrong step disturbs the others' next ones: of those of a moment the worst is told.
+    One foot's wrong step disturbs the others' later ones: told is the one that went wrong first, a foot set
+    down elsewhere from its lift on, a late one from when it was due; of those of a moment the worst.
     """
-    found = []
+    found: list[tuple[float, Sign]] = []
     for link, landed in landings(s).items():
-        found += [x for x in (_beside(s, link, landed), _late(s, link, landed)) if x is not None]
-    first = min((sign.time for sign in found), default=0.0)
-    yield from sorted((x for x in found if x.time <= first + MOMENT), key=lambda x: -x.strength)[:1]
+        for sign in (_late(s, link, landed), _beside(s, link, landed)):
+            if sign is not None:
+                found.append((sign.time if sign.since is None else sign.since, sign))
+    first = min((begun for begun, _ in found), default=0.0)
+    of_first = [sign for begun, sign in found if begun <= first + s.limits.brief]
+    yield from sorted(of_first, key=lambda x: -x.strength)[:1]
 
 
 def late_catch(s: Signals) -> Iterator[Sign]:
@@ -121,21 +123,29 @@ def _beside(s: Signals, link: str, landed: list[Landing]) -> Sign | None:
                 f"{link} lands {100.0 * float(np.linalg.norm(way)):.0f} cm from where it has landed before "
                 f"({100.0 * way[0]:+.0f} cm ahead, {100.0 * way[1]:+.0f} cm to the left)"
             )
-            return Sign(float(s.time[landed[k].row]), link, words, float(np.linalg.norm(way)) / limit)
+            begun = float(s.time[landed[k].lifted])
+            return Sign(float(s.time[landed[k].row]), link, words, float(np.linalg.norm(way)) / limit, begun)
     return None
 
 
 def _late(s: Signals, link: str, landed: list[Landing]) -> Sign | None:
-    """Return the first swing of a foot that lasts longer than those before."""
+    """Return the first landing of a foot that comes later after its lift, or its last landing, than before.
+
+    A foot that scuffs lifts late and swings no longer than before: the time between its landings tells of it.
+    """
+    rows = np.array([x.row for x in landed])
+    lifted = np.array([x.lifted for x in landed])
+    since = np.concatenate([[0], rows[:-1]])
     for k in range(HISTORY, len(landed)):
-        before = [x.row - x.lifted for x in landed[:k] if x.lifted > 0]
-        if len(before) < HISTORY - 1 or not before:
-            continue
-        due = landed[k].lifted + int(np.median(before))
-        lasts = landed[k].row - landed[k].lifted
-        if lasts > LATER * max(before) and (landed[k].row - due) * s.dt > s.limits.brief:
-            words = f"{link} lands {1e3 * (landed[k].row - due) * s.dt:.0f} ms later than its swings before"
-            return Sign(float(s.time[due]), link, words, lasts / (LATER * max(before)))
+        for begun, known in ((lifted, lifted[:k] > 0), (since, since[:k] > 0)):
+            before = (rows - begun)[:k][known]
+            if len(before) < HISTORY - 1:
+                continue
+            due = int(begun[k] + np.median(before))
+            lasts, late = int(rows[k] - begun[k]), (rows[k] - due) * s.dt
+            if lasts > LATER * before.max() and late > s.limits.brief:
+                words = f"{link} lands {1e3 * late:.0f} ms later than its steps before"
+                return Sign(float(s.time[due]), link, words, lasts / float(LATER * before.max()))
     return None
 
 

@@ -209,7 +209,13 @@ def wrong_mass(s: Signals) -> Iterator[Sign]:
     if pull is None:
         return
     up = float(pull @ s.up)
-    level = float(np.linalg.norm(pull - up * s.up))
+    along = (pull - up * s.up) @ s.level_axes.T
+    if "command" in s:  # a body that is led somewhere is pushed there
+        led = s.level_axes @ s.heading[0].T @ s.numbers("command")[: s.rows(0.15), :2].mean(axis=0)
+        size = float(np.linalg.norm(led))
+        if size > 0.0:
+            along = along - max(float(along @ led) / size, 0.0) * led / size
+    level = float(np.linalg.norm(along))
     sags = up < 0.0 and level < s.limits.drives and at_limit(s)[: s.rows(0.15)].any()
     if not sags and (abs(up) > s.limits.lifts or level > s.limits.drives):
         words = f"at rest its feet push it by {up:+.0%} of its weight upwards and {level:.0%} sideways"

@@ -340,6 +340,20 @@ class Signals:
             return np.zeros((len(self.time), count)), np.zeros((len(self.time), count))
         return self.numbers("q")[:, -count:], self.numbers("v")[:, -count:]
 
+    @cached_property
+    def base_state(self) -> FloatArray:
+        """(T, n) what a controller may know of a base: lean [-, rad], turning [rad/s] and way [m/s]."""
+        way = np.einsum("tij,tj->ti", self.heading, self.com_velocity)
+        if self.plane_turn is not None:
+            at = [self.plane_turn]
+            return np.hstack([self.numbers("q")[:, at], self.numbers("v")[:, at], way])
+        if not self.free:
+            return np.zeros((len(self.time), 0))
+        turn = self.numbers("q")[:, 3:7].copy()
+        turn[~turn.any(axis=1)] = (1.0, 0.0, 0.0, 0.0)
+        lean = np.einsum("tij,i->tj", rotation_from_quaternion(turn), self.up)[:, :2]
+        return np.hstack([lean, self.numbers("v")[:, 3:6], way])
+
     def first(self, where: BoolArray, least: int = 1) -> int | None:
         """Return the first of so many rows of (T,) in a row that are true; None if there are no such."""
         return next((start for start, end in runs_of(where) if end - start >= least), None)

@@ -7,6 +7,7 @@ from dataclasses import replace
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.report import Finding
 from surefoot.records.audit.story.causes import RULES, WRONG_FRAME, Rule, frame_sign
+from surefoot.records.audit.story.counterfactuals import Without
 from surefoot.records.audit.story.failure import fall, slide, stray
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
@@ -53,13 +54,19 @@ def story_of(
         # what is read off such forces says nothing
         cause = _cause(WRONG_FRAME, frame)
         return Story((_event(cause),), (cause,), failed)
-    rules = [rule for rule in RULES if failed is not None or rule.alone or rule.outside or s.bolted]
+    cheap = [rule for rule in RULES if not rule.dear and (rule.alone or rule.outside)]
+    rules = RULES if failed is not None or s.bolted else cheap
     found = [(rule, sign) for rule in rules for sign in rule.find(s)]
     ordered = _order(found, s, failed)
     if not ordered and failed is not None and failed.name in DRAWN_OUT:
         # who loses its way little by little may have done so before the cause of its end
         ordered = _order(found, s, replace(failed, time=float(s.time[-1])))
-    causes = tuple(_cause(rule, sign) for rule, sign in ordered)
+    asked = [(rule, sign, _without(rule, sign, s, failed)) for rule, sign in ordered]
+    causes = tuple(
+        replace(_cause(rule, sign), without="" if held is None else held.words)
+        for rule, sign, held in asked
+        if held is None or held.held
+    )
     if failed is not None and causes:
         failed = replace(failed, because=causes[0].name)
     # in the order of the table where times are equal: a set's order is another one in each process
@@ -68,6 +75,11 @@ def story_of(
         *(failed if failed is not None and event.name == failed.name else event for event in happened),
     ])  # fmt: skip
     return Story(tuple(sorted(events, key=lambda e: e.time)), causes, failed)
+
+
+def _without(rule: Rule, sign: Sign, s: Signals, failed: Event | None) -> Without | None:
+    """Return what would have been without a cause; None where nothing failed, or the log does not tell."""
+    return None if failed is None or rule.without is None else rule.without(s, sign, failed)
 
 
 def _cause(rule: Rule, sign: Sign) -> Cause:
@@ -94,7 +106,8 @@ def _with_its_cause(rule: Rule, sign: Sign, found: list[tuple[Rule, Sign]], s: S
 def _order(found: list[tuple[Rule, Sign]], s: Signals, failed: Event | None) -> list[tuple[Rule, Sign]]:
     """Return the causes that may explain the failure, one of a name, the likeliest first."""
     left = [(rule, sign) for rule, sign in found if _may_explain(rule, sign, s, failed)]
-    left.sort(key=lambda one: (one[0].residual, _rank(one, s)))
+    steps = [sign for _, sign in left if sign.since is not None]
+    left.sort(key=lambda one: (one[0].residual, _is_of_a_step(one, steps), _rank(one, s)))
     names = dict.fromkeys(rule.name for rule, _ in left)
     return [_join_signs([one for one in left if one[0].name == name], s) for name in names]
 
@@ -108,7 +121,14 @@ def _join_signs(same: list[tuple[Rule, Sign]], s: Signals) -> tuple[Rule, Sign]:
     more = f"; so do {len(places) - 1} more" if len(places) > 1 else ""
     best = near[0]
     where = ", ".join(places[:MOST_PLACES])
-    return rule, Sign(first.time, where, best.evidence + more, best.strength)
+    return rule, Sign(first.time, where, best.evidence + more, best.strength, first.since)
+
+
+def _is_of_a_step(one: tuple[Rule, Sign], steps: list[Sign]) -> bool:
+    """Return whether a robot's own trouble began within a step that went wrong: it comes with it."""
+    rule, sign = one
+    own = not rule.outside and not rule.leads and sign.since is None
+    return own and any(x.since <= sign.time <= x.time for x in steps if x.since is not None)
 
 
 def _rank(one: tuple[Rule, Sign], s: Signals) -> tuple[float, bool]:

@@ -52,6 +52,8 @@ class Cause:
         What would refute it: it was looked for, and is not so.
     remedy
         What to try.
+    without
+        What would have been without it, recomputed from the log; empty where the log does not tell.
     """
 
     name: str
@@ -60,6 +62,7 @@ class Cause:
     evidence: str
     refuted: str
     remedy: str
+    without: str = ""
 
     def __str__(self) -> str:
         return f"{self.name} ({self.where}, from {self.time:.2f} s on): {self.evidence}"
@@ -92,9 +95,8 @@ class Story:
             lines.append(f"At {f.time:.2f} s it {_VERBS.get(f.name, f.name)}: {f.evidence}.")
         for k, cause in enumerate(self.causes[:2]):
             lead = "First cause" if k == 0 else "Else"
-            lines.append(
-                f"{lead}: {cause.name} at {cause.where}, from {cause.time:.2f} s on: {cause.evidence}."
-            )
+            told = f"{lead}: {cause.name} at {cause.where}, from {cause.time:.2f} s on: {cause.evidence}"
+            lines.append(f"{told}; {cause.without}." if cause.without else f"{told}.")
         if not self.causes:
             lines.append("The log shows no cause of it.")
         else:
