@@ -1,4 +1,4 @@
-"""Measured tables of which robots walk, stand, or are refused, and how their feet are read."""
+"""Measured table of which robots walk, stand, or are refused, and how their feet are read."""
 
 from __future__ import annotations
 
@@ -11,12 +11,6 @@ def _catalogue(data: Any) -> Rows:
     return [[f"`{t['name']}`", t["feet"], _what_happens(t)] for t in data["trials"]]
 
 
-def _published(data: Any) -> Rows:
-    return [
-        [t["name"], t["true"], t["feet"], _errors(t["errors"]), _what_happens(t)] for t in data["trials"]
-    ]
-
-
 def _what_happens(trial: dict[str, Any]) -> str:
     """Return "walks", or what a stand comes to and why it does not walk."""
     if trial["walk"] == "walks":
@@ -27,18 +21,9 @@ def _what_happens(trial: dict[str, Any]) -> str:
     return f"{'**stands**' if stand == 'stands' else stand}; to walk: {walk}"
 
 
-def _errors(errors: dict[str, int]) -> str:
-    return ", ".join(f"`{rule}` {count}" for rule, count in errors.items()) or "none"
-
-
 TABLES = {
     "robots": Table(
         "surefoot bench robots", "standing.md", ("robot", "feet, and how the first is read", "what happens"),
         _catalogue, long=True,
-    ),
-    "published_robots": Table(
-        "surefoot bench robots --published CLONES", "standing.md",
-        ("robot", "what its feet are", "what is read", "errors of the lint", "what happens"),
-        _published, long=True,
     ),
 }  # fmt: skip
