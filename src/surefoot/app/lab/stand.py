@@ -99,7 +99,7 @@ class StandState:
         """Return the contacts of the feet that touch."""
         places, n = self.on_ground(self.feet), self.normal
         contacts: list[Contact] = []
-        for k in np.flatnonzero(self.on):
+        for k in np.flatnonzero(self.on).tolist():
             sole, mu, name = self.sole(k), float(self.mu[k]), self.names[k]
             contacts.append(
                 PointContact(places[k], n, mu, name)
