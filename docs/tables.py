@@ -21,14 +21,17 @@ import tempfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from docs import planning_tables, sole_tables, solver_tables, walking_tables
+from docs import planning_tables, robot_tables, sole_tables, solver_tables, walking_tables
 
 DOCS = Path(__file__).resolve().parent
 FOLDER = DOCS / "tables"
 PLACE = re.compile(r"<!-- table (?P<name>\w+) -->\n.*?<!-- end of table -->", re.DOTALL)
 
 
-TABLES = solver_tables.TABLES | sole_tables.TABLES | planning_tables.TABLES | walking_tables.TABLES
+TABLES = (
+    solver_tables.TABLES | sole_tables.TABLES | planning_tables.TABLES | walking_tables.TABLES
+    | robot_tables.TABLES
+)  # fmt: skip
 
 
 def measure(names: Iterable[str], files: Sequence[Path] = ()) -> None:

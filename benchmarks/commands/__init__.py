@@ -15,6 +15,7 @@ from benchmarks.commands import (
     forces,
     plan,
     rigid,
+    robots,
     softening,
     soles,
     speeds,
@@ -37,5 +38,6 @@ for _command in (
     statics.statics, walk.walk, faults.faults, contact.contact, rigid.rigid, forces.forces,
     batch.batch, plan.plan, softening.softening, execution.execution,
     stacks.stacks, certify.certify, speeds.speeds, wire.wire, ablation.ablation, audit.audit, soles.soles,
+    robots.robots,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(_command)

@@ -98,6 +98,12 @@ def judged(seed: int, count: int) -> Judged:
     return Judged(Sole.of_corners(corners, mu), wrenches, least, size, true, distance)
 
 
+def _size(sole: Sole, w: FloatArray) -> float:
+    """Return a wrench's size [N]: a cone holds w where it holds w / size, and tolerances are newtons."""
+    arm = np.array([*sole.centre, 0.0])
+    return float(np.hypot(np.linalg.norm(w[:3]), np.linalg.norm(w[3:] - np.cross(arm, w[:3])) / sole.radius))
+
+
 def _can_stand(sole: Sole) -> Callable[[FloatArray], bool]:
     stance = Stance([SoleContact([0.0, 0.0, 0.0], sole)])
     return lambda w: bool(can_stand(stance, [0, 0, 0], 1e-300, -w))
@@ -106,7 +112,7 @@ def _can_stand(sole: Sole) -> Callable[[FloatArray], bool]:
 def _one_by_one(sole: Sole) -> dict[str, Callable[[FloatArray], bool]]:
     cone = StanceCone(Stance([SoleContact([0.0, 0.0, 0.0], sole)]))
     return {
-        "`Sole.verdict`, proof checked": lambda w: sole.verdict(w).holds is True,
+        "`Sole.verdict` of w / size, proof checked": lambda w: sole.verdict(w / _size(sole, w)).holds is True,
         "`can_stand`": _can_stand(sole),
         "`StanceCone.contains`": lambda w: bool(cone.contains(w, 0.0)),
     }

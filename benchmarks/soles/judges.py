@@ -101,35 +101,47 @@ def least_in_digits(
             return Decimal(0), Decimal(0)
         b = [c / size for c in b]
         m, r = Decimal(float(mu)), Decimal(float(radius)) / length
-        # a newton at a corner resists y = (d, eta, w) with a . eta and mu ||(d + w z x q, r w)||
-        rows = [
-            ([0, 0, y, -x, 0], [[m, 0, 0, 0, -m * y], [0, m, 0, 0, m * x], [0, 0, 0, 0, m * r]])
-            for x, y in [(x / length, y / length) for x, y in q]
-        ]
+        corners_over = [_corner_rows(x / length, y / length, m, r) for x, y in q]
         y: list[Any] = [Decimal(0)] * 5
         t = Decimal(10)
         while 2 * k / t > Decimal("1e-20"):
-            t *= 20
-            y = _centred(y, t, b, rows)
+            t *= 200
+            y = _centred(y, t, b, corners_over)
         low = sum(c * v for c, v in zip(b, y, strict=True))
         return size * low, size * (low + 2 * k / t)
 
 
-def _centred(y: list[Any], t: Any, b: list[Any], rows: list[Any]) -> list[Any]:
+def _corner_rows(x: Any, y: Any, mu: Any, radius: Any) -> tuple[list[Any], list[list[Any]], list[list[Any]]]:
+    """Return a, C and the lower triangle of 2 (a aᵀ - Cᵀ C) of the corner at (x, y), over the length.
+
+    A newton there resists v = (d, eta, w) with a . v and ||C v|| = mu ||(d + w z x q, r w)||.
+    """
+    zero = Decimal(0)
+    a = [zero, zero, y, -x, zero]
+    C = [[mu, zero, zero, zero, -mu * y], [zero, mu, zero, zero, mu * x], [zero] * 4 + [mu * radius]]
+    second = [[2 * (a[i] * a[j] - sum(c[i] * c[j] for c in C)) for j in range(i + 1)] for i in range(5)]
+    return a, C, second
+
+
+def _centred(y: list[Any], t: Any, b: list[Any], corners: list[Any]) -> list[Any]:
     """Return the minimiser of -t b.y - sum log((1 - a.y)² - ||C y||²), by damped Newton steps."""
     for _ in range(300):
         gradient = [-t * c for c in b]
         hessian = [[Decimal(0)] * 5 for _ in range(5)]
-        for a, c in rows:
-            s = 1 - sum(i * v for i, v in zip(a, y, strict=True))
-            u = [sum(i * v for i, v in zip(row, y, strict=True)) for row in c]
-            det = s * s - sum(v * v for v in u)
-            g = [-2 * s * a[j] - 2 * sum(u[n] * c[n][j] for n in range(3)) for j in range(5)]
+        for a, C, second in corners:
+            s = 1 - a[2] * y[2] - a[3] * y[3]
+            u0, u1 = C[0][0] * y[0] + C[0][4] * y[4], C[1][1] * y[1] + C[1][4] * y[4]
+            u2 = C[2][4] * y[4]
+            share = 1 / (s * s - u0 * u0 - u1 * u1 - u2 * u2)
+            # of -log det: minus its gradient over det
+            f = -2 * share
+            g = [f * u0 * C[0][0], f * u1 * C[1][1], f * s * a[2], f * s * a[3]]
+            g.append(f * (u0 * C[0][4] + u1 * C[1][4] + u2 * C[2][4]))
             for i in range(5):
-                gradient[i] -= g[i] / det
+                gradient[i] -= g[i]
+                row, own, constant = hessian[i], g[i], second[i]
                 for j in range(i + 1):
-                    second = 2 * (a[i] * a[j] - sum(c[n][i] * c[n][j] for n in range(3)))
-                    hessian[i][j] += g[i] * g[j] / det**2 - second / det
+                    row[j] += own * g[j] - constant[j] * share
         step = _solved(hessian, [-c for c in gradient])
         decrement = -sum(c * d for c, d in zip(gradient, step, strict=True))
         size = 1 / (1 + decrement.sqrt()) if decrement > Decimal("0.05") else Decimal(1)

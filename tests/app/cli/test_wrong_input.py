@@ -265,7 +265,7 @@ PLAN = [
     ("plan hopper 7", "hopper takes a number from -1 to 1, its distance [m], got 7"),
 ]
 LAB = [
-    ("lab stand g1 --port 0", "point feet"),
+    ("lab stand panda --port 0", "two feet or more"),
     ("lab stand --port 70000", "--port must be from 0 to 65535, got 70000"),
     ("lab stand --host no.such.host.invalid --port 0", "is no address of this machine"),
     ("lab audit nothing.npz --port 0", "nothing.npz"),

@@ -112,3 +112,50 @@ def test_a_value_that_cannot_be_is_refused_and_changes_nothing(
 def test_a_mouse_that_points_nowhere_is_refused(point: list[float]) -> None:
     with pytest.raises(ProblemError, match="nowhere"):
         Grip("/com", "update", np.zeros(3), np.array(point), EYE)
+
+
+@pytest.mark.parametrize(
+    "sole", [sf.Sole(0.2, 0.08), sf.Sole.of_corners([[0.14, 0], [-0.06, 0.07], [-0.06, -0.07]])]
+)
+@pytest.mark.parametrize("x", [0.0, 0.06, 0.3])
+def test_soles_stand_as_the_statics_say(sole: sf.Sole, x: float) -> None:
+    """Two soles, rectangles or triangles: verdict, region, pressure inside, and what binds by name."""
+    feet = np.array([[0.0, 0.1], [0.0, -0.1]])
+    state = StandState(
+        ("left", "right"),
+        feet,
+        np.ones(2, bool),
+        np.full(2, 0.5),
+        np.array([x, 0.02, 0.7]),
+        30.0,
+        soles=(sole, sole),
+    )
+    own = sole.with_friction(0.5)
+    stance = sf.Stance(
+        [sf.SoleContact([*p, 0.0], own, name=n) for p, n in zip(feet, state.names, strict=True)]
+    )
+    verdict, shown = sf.can_stand(stance, state.com, 30.0), stand_drawing(state)
+    assert ("It can stand" in shown.text) == verdict.feasible == (x < 0.2)
+    region = sf.com_region(stance, 30.0, 1e-3)
+    assert f"region {1e4 * region.area:.0f} cm²" in shown.text
+    outline = shown.shapes["/soles/left"]
+    assert isinstance(outline, Lines)
+    np.testing.assert_allclose(outline.points[:, 0, :2], sole.corners + feet[0], atol=1e-12)
+    if not verdict.feasible:
+        assert "/motion" in shown.shapes
+        return
+    arrows = shown.shapes["/forces"]
+    assert isinstance(arrows, Arrows)
+    pressed, forces = arrows.points[:, 0], arrows.points[:, 1] - arrows.points[:, 0]
+    middle = forces[:, 2] @ pressed[:, :2] / forces[:, 2].sum()  # the pressure of both is below the weight
+    np.testing.assert_allclose(middle, state.com[:2], atol=1e-6)
+    for k, contact in enumerate(stance):
+        wrench = verdict.forces[6 * k : 6 * k + 6]
+        assert contact.sole.contains(wrench)
+        assert f"{100.0 * float(contact.sole.use(wrench).total):.0f} % of its sole" in shown.text
+
+
+def test_a_robot_on_soles_begins_on_them() -> None:
+    state = start_state(sf.load_robot("g1"))
+    assert all(sole is not None for sole in state.soles)
+    assert "It can stand" in stand_drawing(state).text

@@ -12,6 +12,7 @@ import surefoot as sf
 from surefoot.base.errors import ModelError
 from surefoot.mechanics.robot import Robot
 from surefoot.mechanics.robot.foot_shape import BAND
+from tests.mechanics.robot.lint import models
 from tests.standing_biped import BOX, SPHERES, write_biped, write_biped_mjcf
 
 FEET = ("left_foot", "right_foot")
@@ -237,3 +238,22 @@ def test_a_toe_across_a_joint_is_told_and_counted(tmp_path: Path) -> None:
         sf.load_robot(path, feet="left_toe, right_toe")
     lifted = read(write_biped(tmp_path, BOX, toe=toe.replace('0.04 0 0"', '0.04 0 0.02"')))
     assert "across" not in lifted.feet[0].why
+
+
+def test_a_keyframe_that_lies_folded_is_none_to_stand_in(tmp_path: Path) -> None:
+    """The feet are bodies, as of published MJCF: their frames are in the knees, the balls lie beyond."""
+    text = models.mjcf()
+    ball = 'type="sphere" size="0.02" pos="0 0 -0.2"'
+    shin = '<geom type="box" size="0.012 0.02 0.08" pos="0 0 -0.1"/>'
+    text = text.replace('range="-2.7 -0.3"/>', f'range="-2.7 -0.3"/>{shin}')
+    assert ball in text
+    assert shin in text
+    standing, folded = " ".join(["0 0.7 -1.4"] * 4), " ".join(["0 1.13 -2.7"] * 4)
+    feet = [name.replace("foot", "calf") for name in models.FEET.split(",")]
+    (tmp_path / "dog.xml").write_text(text)
+    (tmp_path / "folded.xml").write_text(text.replace(standing, folded))
+    stands, lies = (sf.load_robot(tmp_path / name, feet=feet) for name in ("dog.xml", "folded.xml"))
+    assert [foot.radius for foot in lies.feet] == [foot.radius for foot in stands.feet] == [0.02] * 4
+    assert any("keyframe is no pose to stand in" in note for note in lies.notes)
+    assert not any("keyframe" in note for note in stands.notes)
+    assert lies.nominal[2] == pytest.approx(stands.nominal[2], abs=0.05)

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from surefoot.app.lab.stand import start_state
+from surefoot.base.errors import ProblemError
 from surefoot.mechanics.robot import Robot
 from surefoot.mechanics.robot.outlines import area_of, few_corners, hull_of, moved_in
 from tests.mechanics.robot.test_foot_reading import stl
@@ -107,3 +109,20 @@ def test_outlines_keep_their_large_corners() -> None:
     assert len(few_corners(hull_of(rounded), 8, 0.02)) == 3
     square = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
     assert np.sort(moved_in(square, 0.25), axis=0) == pytest.approx(0.75 * np.sort(square, axis=0))
+
+
+def test_a_plan_of_such_feet_is_refused_for_their_number(tmp_path: Path) -> None:
+    """Plans through contact are of robots on four feet, whatever their shape."""
+    with pytest.raises(ProblemError, match="four feet"):
+        sf.plan(biped(tmp_path, "triangle", "balls"), "jump", 0.2)
+
+
+def test_the_lab_stands_on_the_same_corners(tmp_path: Path) -> None:
+    robot = biped(tmp_path, "hexagon", "balls")
+    state, foot = start_state(robot), robot.feet[0]
+    sole = state.sole(0)
+    assert sole is not None
+    np.testing.assert_allclose(hull_of(sole.corners), hull_of(foot.sole(0.6).corners), atol=1e-12)
+    for drawn, own in zip(state.stance().contacts, robot.stance(robot.nominal, mu=0.6).contacts, strict=True):
+        np.testing.assert_allclose(drawn.sole.corners, own.sole.corners, atol=1e-12)
+        assert drawn.mu == own.mu

@@ -15,12 +15,13 @@ from surefoot.app.lab.drawing import Drawing, Shape
 from surefoot.app.lab.geometry import CORNERS, SIDES, cone_surface, fan, polygon_surface
 from surefoot.app.lab.html_text import heading, paragraph, text
 from surefoot.app.lab.page import Grip, Page
+from surefoot.app.lab.stand_forces import pressures, sole_lines
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY, rotation_from_normal
-from surefoot.contact import Fit
+from surefoot.contact import Fit, Sole
 from surefoot.mechanics import Robot, Verdict, can_stand, friction_needed
-from surefoot.mechanics.stance import PointContact, Stance
+from surefoot.mechanics.stance import Contact, PointContact, SoleContact, Stance
 from surefoot.mechanics.statics.com_region import com_region
 from surefoot.mechanics.statics.region import Region
 
@@ -67,6 +68,9 @@ class StandState:
         Angle of the plane [deg], and in which direction from +x it rises [deg].
     cones
         A name of `CONES`.
+    soles
+        (n,) the sole of each foot about its place, along the ground's axes; None for a point, and () for
+        points only.
     """
 
     names: tuple[str, ...]
@@ -78,6 +82,7 @@ class StandState:
     slope: float = 0.0
     direction: float = 0.0
     cones: str = "exact"
+    soles: tuple[Sole | None, ...] = ()
 
     @property
     def normal(self) -> FloatArray:
@@ -93,17 +98,33 @@ class StandState:
     def stance(self) -> Stance:
         """Return the contacts of the feet that touch."""
         places, n = self.on_ground(self.feet), self.normal
-        on = np.flatnonzero(self.on)
-        return Stance([PointContact(places[k], n, float(self.mu[k]), self.names[k]) for k in on])
+        contacts: list[Contact] = []
+        for k in np.flatnonzero(self.on).tolist():
+            sole, mu, name = self.sole(k), float(self.mu[k]), self.names[k]
+            contacts.append(
+                PointContact(places[k], n, mu, name)
+                if sole is None
+                else SoleContact(places[k], sole.with_friction(mu), n, name)
+            )
+        return Stance(contacts)
+
+    def sole(self, foot: int) -> Sole | None:
+        """Return the sole of a foot, None for a point."""
+        return self.soles[foot] if self.soles else None
 
 
 @dataclass(frozen=True, eq=False)
 class StandAnswer:
-    """What the statics say of a state: verdict, region, forces (k, 3) in contact frames [N], friction."""
+    """What the statics say of a state: verdict, region, forces, friction needed.
+
+    `forces` are (k, 3) in contact frames [N]; `pressed` (k, 3) is where they press [m], a sole's centre of
+    pressure.
+    """
 
     verdict: Verdict
     region: Region
     forces: FloatArray | None
+    pressed: FloatArray
     needed: float
 
 
@@ -112,8 +133,8 @@ def answer_of(state: StandState) -> StandAnswer:
     stance, (facets, fit) = state.stance(), CONES[state.cones]
     verdict = can_stand(stance, state.com, state.mass, facets=facets, fit=fit)
     region = com_region(stance, state.mass, TOLERANCE, facets=facets, fit=fit)
-    forces = None if verdict.forces is None else verdict.forces.reshape(-1, 3)
-    return StandAnswer(verdict, region, forces, friction_needed(stance, state.com, state.mass))
+    forces, pressed = pressures(stance, verdict.forces)
+    return StandAnswer(verdict, region, forces, pressed, friction_needed(stance, state.com, state.mass))
 
 
 def stand_drawing(state: StandState) -> Drawing:
@@ -122,19 +143,23 @@ def stand_drawing(state: StandState) -> Drawing:
     shapes: dict[str, Shape] = {**_ground(state), **_region(state, answer), **_body(state, answer)}
     normal = state.normal
     frame, places = rotation_from_normal(normal), state.on_ground(state.feet)
-    for place, above, on, mu, name in zip(
-        places, places + 0.06 * normal, state.on, state.mu, state.names, strict=True
+    for k, (place, above, on, mu, name) in enumerate(
+        zip(places, places + 0.06 * normal, state.on, state.mu, state.names, strict=True)
     ):
         shapes[f"/names/{name}"] = draw.Label(above, name)
         shapes[f"/feet/{name}"] = draw.Ball(
             place if on else above, 0.018, draw.CONE if on else draw.BODY, True
         )
-        if on:
+        sole = state.sole(k)
+        if on and sole is not None:
+            rim = np.column_stack([sole.corners, np.full(len(sole.corners), LIFT)]) @ frame.T
+            shapes[f"/soles/{name}"] = draw.outline(place + rim, draw.CONE, 3.0)
+        elif on:
             surface, (x, y, z) = cone_surface(float(mu), CONE_HEIGHT, frame), place.tolist()
             shapes[f"/cones/{name}"] = draw.Mesh(surface, fan(SIDES), draw.CONE, 0.3, (x, y, z))
     if answer.forces is not None and len(answer.forces):
         vectors = answer.forces @ frame.T * (WEIGHT_LENGTH / (state.mass * GRAVITY)) * state.on.sum() ** 0.5
-        shapes["/forces"] = draw.arrows(places[state.on], vectors, draw.FORCE)
+        shapes["/forces"] = draw.arrows(answer.pressed, vectors, draw.FORCE)
     if answer.verdict.certificate is not None:
         shapes["/motion"] = _motion(state, answer.verdict.certificate, places[state.on])
     return Drawing(shapes, verdict_text(state, answer))
@@ -237,6 +262,7 @@ def verdict_text(state: StandState, answer: StandAnswer) -> str:
         contacts = verdict.stance.contacts
         mu = np.array([contact.mu for contact in contacts])
         parts.append(force_rows([contact.name for contact in contacts], answer.forces, mu))
+        parts.extend(sole_lines(verdict))
     return text(*parts)
 
 
@@ -246,16 +272,19 @@ def start_state(robot: Robot) -> StandState:
     Raises
     ------
     ProblemError
-        For a robot whose feet are no points, or fewer than two.
+        For a robot with fewer than two feet.
     """
-    if len(robot.feet) < 2 or any(foot.flat for foot in robot.feet):
-        raise ProblemError(f"the page needs two or more point feet; {robot.name} has others")
+    if len(robot.feet) < 2:
+        raise ProblemError(f"the page needs two feet or more; {robot.name} has {len(robot.feet)}")
     q = robot.nominal
     stance, com = robot.stance(q), robot.com(q)
     places = np.array([contact.position for contact in stance.contacts])
     com = (com - [*places[:, :2].mean(axis=0), float(places[:, 2].mean())]).round(3) + 0.0
     feet, n = places[:, :2] - places[:, :2].mean(axis=0), len(places)
-    return StandState(robot.foot_names, feet, np.ones(n, dtype=bool), np.full(n, 0.6), com, robot.mass)
+    soles = tuple(c.sole if isinstance(c, SoleContact) else None for c in stance.contacts)
+    return StandState(
+        robot.foot_names, feet, np.ones(n, dtype=bool), np.full(n, 0.6), com, robot.mass, soles=soles
+    )
 
 
 class StandPage(Page):

@@ -82,21 +82,29 @@ def bend_legs(model: Any, q: FloatArray, feet: Sequence[Foot]) -> FloatArray:
     out = q.copy()
     for foot in feet:
         if joints := chain(model, foot.frame):
-            out = _bend(model, out, q, foot.frame, joints, foot.flat)
+            out = _bend(model, out, q, foot, joints)
     return out
 
 
-def _bend(
-    model: Any, q: FloatArray, start: FloatArray, frame: int, joints: Sequence[int], level: bool
-) -> FloatArray:
+def _standing_place(foot: Foot) -> FloatArray:
+    """Return what is put below the hip, in the foot's frame (3,) [m].
+
+    It is the frame's origin, or the ball where that lies beyond: an MJCF names bodies, from their joint on.
+    """
+    beyond = not foot.flat and float(np.linalg.norm(foot.centre)) > foot.radius
+    return foot.centre if beyond else np.zeros(3)
+
+
+def _bend(model: Any, q: FloatArray, start: FloatArray, foot: Foot, joints: Sequence[int]) -> FloatArray:
     """Return q with one leg's joints moved so that its foot reaches its place below the hip at the start."""
     import pinocchio
     from scipy.optimize import least_squares  # takes 0.2 s to load
 
+    frame, level, place = foot.frame, foot.flat, _standing_place(foot)
     data = model.createData()
     pinocchio.framesForwardKinematics(model, data, start)
     places = [data.oMi[j].translation.copy() for j in joints[1 if len(joints) >= 3 else 0 :]]
-    places.append(data.oMf[frame].translation.copy())
+    places.append(data.oMf[frame].act(place))
     length = max(float(sum(np.linalg.norm(b - a) for a, b in pairwise(places))), 1e-9)
     target = places[0] - [0.0, 0.0, STRETCH * length]
     index = [model.joints[j].idx_q for j in joints]
@@ -115,7 +123,7 @@ def _bend(
         rest = LEAN * (angles - middle)
         tilt = pose.rotation[:, 2] - [0.0, 0.0, 1.0] if level else np.zeros(0)
         turn = pose.rotation[1, :1] if level else np.zeros(0)
-        return np.concatenate([(pose.translation - target) * nearness / length, tilt, turn, rest])
+        return np.concatenate([(pose.act(place) - target) * nearness / length, tilt, turn, rest])
 
     best: Any = None
     for bend in (0.6, -0.6):

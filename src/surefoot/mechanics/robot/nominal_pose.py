@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 NOMINAL_POSES = ("standing", "half_sitting")
 """Names of the poses of an SRDF file that are nominal ones, the first that it has."""
+FOLDED = "its keyframe is no pose to stand in, as its feet cannot be told there: it stands on bent legs"
+"""Note of a robot whose file has a pose in which its feet would be guesses."""
 
 
 def file_pose(model: Any, srdf: Path | None, entry: catalog.CatalogEntry) -> FloatArray | None:
@@ -45,10 +47,34 @@ def feet_and_pose(
     fixed: bool,
     entry: catalog.CatalogEntry,
 ) -> tuple[tuple[Foot, ...], FloatArray]:
-    """Return the feet and the nominal pose (nq,): the file's or, without one, feet under bent legs."""
+    """Return the feet and the nominal pose (nq,): the file's or, without one, feet under bent legs.
+
+    A pose of the file in which a foot would be a guess, as one that lies folded, is none to stand in.
+    """
+    from surefoot.mechanics.robot.foot_reading import FootGuess  # not needed to import the package
+
+    try:
+        return _feet_at(source, names, pose, fixed, entry)
+    except FootGuess as guess:
+        if pose is None or fixed:
+            raise
+        try:
+            return _feet_at(source, names, None, fixed, entry)
+        except FootGuess:
+            raise guess from None
+
+
+def _feet_at(
+    source: FootSource,
+    names: Sequence[str],
+    pose: FloatArray | None,
+    fixed: bool,
+    entry: catalog.CatalogEntry,
+) -> tuple[tuple[Foot, ...], FloatArray]:
+    """Return the feet and the nominal pose (nq,), the given one if there is one."""
     import pinocchio
 
-    from surefoot.mechanics.robot.foot_reading import read_feet  # not needed to import the package
+    from surefoot.mechanics.robot.foot_reading import read_feet
 
     model = source.model
     q = np.array(pinocchio.neutral(model)) if pose is None else pose

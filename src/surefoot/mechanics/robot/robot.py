@@ -337,7 +337,7 @@ def load_robot(
 def _from_mjcf(path: Path, feet: Sequence[str], fixed_base: bool | None) -> Robot:
     """Return the robot of an MJCF file, in its first keyframe that is a nominal pose."""
     from surefoot.mechanics.robot.foot_reading import FootSource, reading_notes
-    from surefoot.mechanics.robot.nominal_pose import feet_and_pose
+    from surefoot.mechanics.robot.nominal_pose import FOLDED, feet_and_pose
 
     read = read_mjcf(path, fixed_base)
     _check_feet(read.model, feet, path)
@@ -345,9 +345,11 @@ def _from_mjcf(path: Path, feet: Sequence[str], fixed_base: bool | None) -> Robo
     load, entry = partial(mjcf_shapes, path.resolve(), fixed_base), catalog.CatalogEntry(str(path))
     missing = read.missing_meshes
     source = FootSource(read.model, read.collision, load, missing)
-    found, nominal = feet_and_pose(source, feet, nominal_of(read.poses), not read.floating, entry)
+    pose = nominal_of(read.poses)
+    found, nominal = feet_and_pose(source, feet, pose, not read.floating, entry)
     out = Robot(path.stem, read.model, read.collision, load, found, nominal, read.floating, missing)
-    out.notes = reading_notes(found, missing)
+    unlike = () if pose is None or np.array_equal(pose, nominal) else (FOLDED,)
+    out.notes = (*reading_notes(found, missing), *unlike)
     out.source = path
     out.keep_file(path, load)
     return out
