@@ -12,6 +12,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray, IntArray, real_number
 from surefoot.base.errors import ProblemError
 from surefoot.base.kernels import entry_point
+from surefoot.base.memory import Remade
 from surefoot.contact import Status
 from surefoot.worlds.mujoco.spec import import_mujoco
 from surefoot.worlds.mujoco.stepper import addresses
@@ -79,7 +80,7 @@ class StepCertificate(NamedTuple):
     violation: float
 
 
-class MujocoStepper:
+class MujocoStepper(Remade):
     """`mujoco.mj_step` with Coulomb's law for contacts, and hard limits, equalities and dry friction.
 
     ``stepper.step(data)`` takes the place of ``mujoco.mj_step(model, data)``: collision, actuation, passive
@@ -189,6 +190,15 @@ class MujocoStepper:
     def reset(self) -> None:
         """Forget the last impulses: the next step starts from none."""
         self._told[LAST] = 0.0
+
+    def _lasting(self) -> Any:
+        """See `Remade`: the last step's impulses and what it told."""
+        return self.steps, self.unsolved, self._status, self._told.copy(), [a.copy() for a in self._memory]
+
+    def _go_on(self, lasting: Any) -> None:
+        """See `Remade`."""
+        self.steps, self.unsolved, self._status, self._told, memory = lasting
+        self._memory = tuple(memory)
 
     def step(self, data: Any) -> None:
         """Advance the data by a time step, in place of ``mujoco.mj_step``."""
@@ -329,8 +339,9 @@ class MujocoStepper:
         struct = (data._address - addresses.FIRST_BYTE) // 8
         sizes = [struct, model.nv, data.M.size, model.ntree]
         self._fixed: IntArray = np.array([*places, *sizes], dtype=np.int64)
+        if self._data is not None:  # the impulses of a copy are those of its first data
+            self.reset()
         self._data = data
-        self.reset()
 
     def _harden(self, data: Any) -> None:
         """Let soft contacts be seen from where the model says, not from the reach on."""
