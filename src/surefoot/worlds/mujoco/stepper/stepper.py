@@ -14,6 +14,7 @@ from surefoot.base.errors import ProblemError
 from surefoot.base.kernels import entry_point
 from surefoot.base.memory import Remade
 from surefoot.contact import Status
+from surefoot.worlds.mujoco.memory_places import FIRST_BYTE, all_memory, place_of
 from surefoot.worlds.mujoco.spec import import_mujoco
 from surefoot.worlds.mujoco.stepper import addresses
 from surefoot.worlds.mujoco.stepper.implicit import ImplicitInertia
@@ -157,7 +158,7 @@ class MujocoStepper(Remade):
         self._implicit: ImplicitInertia | None = None
         self._arena = addresses.arena_words(mujoco)
         self._layout = addresses.contact_places(mujoco)
-        self._memory_views = addresses.all_memory()
+        self._memory_views = all_memory()
         self._option = self.model.opt
         self._settings = np.array([
             0.0, self.share, self.tol, REACH, self.restitution, 0.0, self._private.limit_reach, 0.0,
@@ -295,7 +296,7 @@ class MujocoStepper(Remade):
         settings = self._settings
         settings[STEP], settings[START] = self._option.timestep, 0.0
         if start is not None:
-            settings[START] = addresses.place_of(start)
+            settings[START] = place_of(start)
         if self.restitution:
             settings[SLOWEST] = RESTS * settings[STEP] * float(np.linalg.norm(self._option.gravity))
         failed = self._call(
@@ -335,8 +336,8 @@ class MujocoStepper(Remade):
             data.qvel, data.qfrc_smooth, data.qacc_smooth, data.qfrc_constraint, data.qacc, data.M,
             model.M_rownnz, model.M_rowadr, model.M_colind, model.dof_treeid,
         ]  # fmt: skip
-        places = [addresses.place_of(part) for part in parts]
-        struct = (data._address - addresses.FIRST_BYTE) // 8
+        places = [place_of(part) for part in parts]
+        struct = (data._address - FIRST_BYTE) // 8
         sizes = [struct, model.nv, data.M.size, model.ntree]
         self._fixed: IntArray = np.array([*places, *sizes], dtype=np.int64)
         if self._data is not None:  # the impulses of a copy are those of its first data
