@@ -28,6 +28,16 @@ STEP_TYPES = (ALL_MEMORY, WORDS, PARTS, PARTS, VECTOR, VECTOR, ROWS, BEHIND, WOR
 (TIME, TIMESTEP, NCON, NE, NF, NL, NEFC, NISLAND, NITER, INTEGRATOR, ITERATIONS, CONTACTS, FORCE, SOFTNESS, J,
  ROWNNZ, ROWADR, COLIND, JACOBIAN) = range(19)  # fmt: skip
 """Places of numbers and addresses of a model and its data, see `record_places`."""
+COUNTS: dict[str, int] = {
+    "ncon": NCON, "ne": NE, "nf": NF, "nl": NL, "nefc": NEFC,
+    "nisland": NISLAND,
+}  # fmt: skip
+OPTIONS: dict[str, int] = {"integrator": INTEGRATOR, "iterations": ITERATIONS, "jacobian": JACOBIAN}
+ARRAYS: dict[str, int] = {
+    "contact": CONTACTS, "efc_force": FORCE, "efc_R": SOFTNESS, "efc_J": J,
+    "efc_J_rownnz": ROWNNZ, "efc_J_rowadr": ROWADR, "efc_J_colind": COLIND,
+}  # fmt: skip
+"""Fields of MjData and MjOption, and where their places stand among these."""
 EULER, RK4, DENSE, SPARSE, AGAIN, PGS, JOINTS, CONSTRAINT, VELOCITIES, STRUCT = range(19, 29)
 """Numbers of integrators and of Jacobians' forms, whether doubtful steps are marked and all are, where in a
 row forces of contacts on joints go and those of all constraints are, how many there are, and words of a

@@ -22,17 +22,7 @@ from surefoot.worlds.mujoco.memory_places import (
     place_of,
     unknown_layout,
 )
-
-COUNTS = {
-    "ncon": copy.NCON, "ne": copy.NE, "nf": copy.NF, "nl": copy.NL, "nefc": copy.NEFC,
-    "nisland": copy.NISLAND,
-}  # fmt: skip
-OPTIONS = {"integrator": copy.INTEGRATOR, "iterations": copy.ITERATIONS, "jacobian": copy.JACOBIAN}
-ARRAYS = {
-    "contact": copy.CONTACTS, "efc_force": copy.FORCE, "efc_R": copy.SOFTNESS, "efc_J": copy.J,
-    "efc_J_rownnz": copy.ROWNNZ, "efc_J_rowadr": copy.ROWADR, "efc_J_colind": copy.COLIND,
-}  # fmt: skip
-"""Fields of MjData and MjOption, and where their places stand among those of `record_copy`."""
+from surefoot.worlds.mujoco.record_copy import ARRAYS, COUNTS, OPTIONS
 
 
 class StepPlaces:
@@ -141,4 +131,4 @@ def _number(address: int, kind: Any) -> float:
 
     size = np.dtype(kind).itemsize
     held: FloatArray = np.frombuffer((ctypes.c_char * size).from_address(address), dtype=kind)
-    return held[0].item()
+    return float(held[0])
