@@ -131,7 +131,10 @@ def note_start(
     clock: FloatArray,
     start: FloatArray,
 ) -> bool:
-    """Keep the state and the time that a step starts from; return False if time has moved since the last."""
+    """Keep the state that a step starts from in (s,) `start`, and its time in (2,) `clock` [s].
+
+    Returns False, and keeps nothing, if time has moved since the last step.
+    """
     now = floats[places[TIME]]
     if now != clock[LAST]:
         return False
