@@ -21,6 +21,7 @@ from surefoot.motion.drive.watchdog import Watchdog
 from surefoot.motion.standing.standing_plan import StandingPlan
 from surefoot.motion.walking.walkers import walking_controller
 from surefoot.worlds.rigid.bodies import ball
+from tests.pickled_values import policy, scene, stepper
 from tests.robots import robot_of
 
 BEFORE, AFTER = 40, 30
@@ -77,6 +78,38 @@ def of_solver(solver: Any, k: int) -> list[Any]:
     return [answer.forces, answer.iterations, answer.status.value]
 
 
+def of_stepper(pair: Any, k: int) -> list[Any]:
+    """Return how a ball that is kicked goes on, of a stepper and its data."""
+    stepper, data = pair
+    data.qvel[0] += 0.01 * np.sin(k)
+    stepper.step(data)
+    return [data.qpos, data.qvel, stepper.steps, stepper.certificate.iterations]
+
+
+def kicked() -> Any:
+    """Return a stepper, and the data that it steps."""
+    import mujoco
+
+    made = stepper()
+    return made, mujoco.MjData(made.model)
+
+
+def of_scene(world: Any, k: int) -> list[Any]:
+    """Return where a cube that is pushed has come to."""
+    world.step(None, np.array([2.0 * np.sin(k), 0.0, 0.0]))
+    return [*world.q_v(), world.time]
+
+
+def of_filter(ekf: Any, k: int) -> list[Any]:
+    """Return an estimate of a robot that shakes a little."""
+    robot, sway = robot_of("go2"), 1e-3 * np.sin(0.1 * k)
+    if k == 0:
+        ekf.reset(sf.place(robot))
+    ekf.predict(np.array([sway, 0.0, 0.0]), np.array([0.0, sway, 9.81]))
+    used = ekf.update(robot.nominal[7:] + sway, np.full(12, sway), np.ones(4, dtype=bool))
+    return [used, *ekf.q_v()]
+
+
 def of_loop(loop: Any, k: int) -> list[Any]:
     """Return a loop's targets while it stands up."""
     if k == 20:
@@ -123,6 +156,11 @@ CASES: dict[str, tuple[Callable[[], Any], Step]] = {
         lambda: sf.RigidWorld(ball(4.0, 0.1), law=SpringDamper(2e4, 400.0)), of_world
     ),
     "ContactSolver": (lambda: sf.ContactSolver(2, [0.5, 0.6]), of_solver),
+    "InvariantEkf": (lambda: sf.InvariantEkf(robot_of("go2"), 0.002), of_filter),
+    "MujocoStepper": (kicked, of_stepper),
+    "Policy": (policy, of_controller),
+    "Guard": (lambda: sf.Guard(policy(), 0.3), of_controller),
+    "SceneWorld": (lambda: sf.SceneWorld(scene()), of_scene),
     "RobotLoop": (lambda: sf.RobotLoop(robot_of("go2"), 0.002), of_loop),
 }  # fmt: skip
 

@@ -15,6 +15,7 @@ from .drive.state_tracker import StateTracker as StateTracker
 from .drive.watchdog import damping_targets as damping_targets
 from .drive.wire.dialect import Dialect as Dialect
 from .drive.wire.link import WireEnd as WireEnd
+from .drive.wire.packed import PackedMessage as PackedMessage
 from .estimation.inekf import FilterNoise as FilterNoise
 from .estimation.state_estimator import Reading as Reading
 from .gaits.library import gait_names as gait_names

@@ -73,6 +73,39 @@ def test_after_it_walks_and_plans_compile_nothing(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr[-2000:]
 
 
+OWN_LOOP = """
+import mujoco
+import surefoot as sf
+from surefoot.app.cli.warmup import _record_a_loop, _step_a_loop
+from surefoot.base.compilation import numba_internals as cache
+_record_a_loop(), _step_a_loop()
+loaded = len(cache._caches)
+body = "<body pos='0 0 {z}'><freejoint/><geom type='box' size='.1 .1 .1'/></body>"
+model = mujoco.MjModel.from_xml_string(
+    "<mujoco><worldbody><geom type='plane' size='9 9 1'/>"
+    + "".join(body.format(z=0.1 + 0.2 * k) for k in range(3)) + "</worldbody></mujoco>"
+)
+data = mujoco.MjData(model)
+with sf.record(model, data) as log:
+    for k in range(50):
+        mujoco.mj_step(model, data)
+        assert len(cache._caches) == loaded, ("record", [c._name for c in cache._caches[loaded:]])
+sf.audit_log(log)
+model.opt.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+stepper = sf.MujocoStepper(model)
+for k in range(50):
+    stepper.step(data)
+    assert len(cache._caches) == loaded, ("step", [c._name for c in cache._caches[loaded:]])
+"""
+
+
+def test_after_it_a_recorded_loop_and_exact_steps_compile_nothing() -> None:
+    """What `warmup` runs for them is all that another loop needs."""
+    assert {"record", "step"} <= set(warmup.COMMANDS)
+    done = subprocess.run([sys.executable, "-c", OWN_LOOP], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[-2000:]
+
+
 def test_an_index_that_names_a_type_which_has_gone_is_that_of_older_code(tmp_path: Path) -> None:
     files = KernelFiles(str(tmp_path), "kernel", "now")
     (tmp_path / "kernel.nbi").write_bytes(pickle.dumps(files._version) + b"csurefoot.arrays\nGone\n.")

@@ -66,6 +66,10 @@ class SilentWire:
         """Return who else is there."""
         return self.near
 
+    def partners(self) -> int:
+        """Return how many speak."""
+        return 0
+
 
 class BridgeReplica(SilentWire):
     """The simulator; `receive` lets its time go by.

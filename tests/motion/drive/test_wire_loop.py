@@ -323,3 +323,46 @@ def test_targets_of_a_second_dialect_are_its_own() -> None:
     first = robot.command_message(JointTargets(*np.ones((5, 12))))
     robot.of_simulator().command_message(JointTargets(*np.zeros((5, 12))))
     assert float(first["motor_cmd.q"][0]) == 1.0
+
+
+class SlowRobot(SaysOne):
+    """A robot in slow motion that is held up, and says again what nobody answered."""
+
+    def __init__(self, clock: MadeUpClock, holds: dict[int, float], twice: dict[int, float]) -> None:
+        super().__init__(clock)
+        self.holds, self.twice, self.here, self._last = holds, twice, 1, b""
+
+    def partners(self) -> int:
+        """Return whether the robot is there."""
+        return self.here
+
+    def receive(self, timeout: float) -> PackedMessage | None:
+        """Say the next state, nothing while the robot is held up, or the last state again."""
+        if (hold := self.holds.get(self.count, 0.0)) > 0.0:
+            self.clock.now += timeout
+            self.holds[self.count] = hold - timeout
+            return None
+        if (pause := self.twice.pop(self.count, None)) is not None:
+            self.clock.now += pause
+            return PackedMessage(self.dialect.state, self._last)
+        message = super().receive(timeout)
+        self._last = b"" if message is None else bytes(message.data)
+        return message
+
+
+def test_in_slow_motion_a_robot_that_is_held_up_is_waited_for(clock: MadeUpClock) -> None:
+    """However long; what it says again is no new step, and is answered again where the answer was lost."""
+    wire = SlowRobot(clock, {5: 40.0, 9: 3.0}, {7: 1.0, 8: 0.01})
+    loop = RobotLoop(GO2, motors=wire.dialect.motors)
+    wired = WiredLoop(loop, wire, wire.dialect, slow=True)
+    for _ in range(20):
+        wired.step()
+    assert wire.count == 20
+    assert len(wire.sent) == 21  # the answer to the seventh, twice
+    assert wire.sent[7] == wire.sent[6]
+    assert loop.fault == ""
+    assert loop.time == pytest.approx(19 * 0.002)
+    wire.holds[20], wire.here = 1e9, 0
+    for _ in range(100):
+        wired.step()  # it has gone: as silence of any robot
+    assert loop.watch.blind

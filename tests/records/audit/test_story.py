@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +12,7 @@ import surefoot as sf
 from surefoot.app.viz.story_plots import draw_story
 from surefoot.records import Log
 from surefoot.records.audit.story.causes import RULES
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "worlds" / "mujoco"))
-from strangers import crate, quadruped, thrown_crate
+from tests.worlds.mujoco.strangers import crate, quadruped, thrown_crate
 
 
 def cut(model: Any, data: Any, step: int) -> None:

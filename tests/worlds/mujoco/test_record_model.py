@@ -8,12 +8,12 @@ import mujoco
 import numpy as np
 import pinocchio
 import pytest
-from strangers import QUADRUPED, STANCE, crate, quadruped
 
 import surefoot as sf
 from surefoot.base.spatial import quaternion_xyzw
 from surefoot.records.audit.logged_robot import LoggedRobot, from_recording
 from surefoot.worlds.mujoco.record_tree import BodyTree
+from tests.worlds.mujoco.strangers import QUADRUPED, STANCE, crate, quadruped
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.base.errors import SurefootError
+from surefoot.base.errors import ModelError, SurefootError
+from surefoot.worlds.mujoco import record_capture, record_places
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -235,3 +236,52 @@ def test_a_recording_is_copied_and_pickled_as_a_log(through: Callable[[sf.Log], 
     assert list(again) == list(log)
     np.testing.assert_array_equal(again["forces"], log["forces"])
     assert again.facts["feet"] == log.facts["feet"]
+
+
+def alike(one: sf.Log, two: sf.Log) -> None:
+    """Check that two logs are the same to the last bit."""
+    assert set(one) == set(two)
+    for name in one:
+        np.testing.assert_array_equal(one[name], two[name], err_msg=name)
+
+
+def swung(option: str) -> sf.Log:
+    """Return the log of a box whose arm is pressed to the end of its range."""
+    model, data = made(option)
+    with sf.record(model, data) as log:
+        for _ in range(120):
+            data.ctrl[0] = 1.0
+            mujoco.mj_step(model, data)
+    assert data.nl > 0
+    assert data.ncon > 0
+    return log
+
+
+@pytest.mark.parametrize("option", ["", "integrator='RK4'", "solver='PGS'", "jacobian='sparse'"])
+def test_a_mujoco_of_an_unknown_layout_is_asked_by_its_bindings(
+    option: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    expected = swung(option)
+
+    def unknown(_: object) -> None:
+        raise ModelError("other structs")
+
+    monkeypatch.setattr(record_places, "struct_offsets", unknown)
+    alike(swung(option), expected)
+
+
+def test_sparse_rows_are_read_as_dense_ones() -> None:
+    dense, sparse = swung("jacobian='dense'"), swung("jacobian='sparse'")
+    assert np.abs(dense["other_forces"]).max() > 0.1
+    for name in dense:
+        np.testing.assert_allclose(dense[name], sparse[name], atol=1e-7, err_msg=name)
+
+
+@pytest.mark.parametrize("bytes_", [20_000, 200_000])
+def test_a_loop_longer_than_the_room_is_worked_out_on_its_way(
+    bytes_: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    expected = swung("integrator='RK4'"), swung("")
+    monkeypatch.setattr(record_capture, "RAW_BYTES", bytes_)
+    alike(swung("integrator='RK4'"), expected[0])
+    alike(swung(""), expected[1])

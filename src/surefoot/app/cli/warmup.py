@@ -42,9 +42,17 @@ COMMANDS = (
     f"walk go2 --terrain stairs:0.05,0.3 {RUN} 0.6", f"walk go2 --scenario true.yaml {RUN} 0.5",
     f"walk go2 --planner contact-implicit {RUN} 0.6", f"walk g1 --velocity 0.3 {RUN} 0.6",
     f"walk go2 --terrain rough:1,0.03 --terrain-knowledge map --actuators real --commands targets {RUN} 0.8",
-    "plan jump 0.2 --dt 0.02 --no-video --no-report --out .", "identify",
+    "plan jump 0.2 --dt 0.02 --no-video --no-report --out .", "identify", "record", "step",
 )  # fmt: skip
-"""What is run, in a folder of small inputs; of identify, which would fit for a minute, a single rollout."""
+"""What is run, in a folder of small inputs; of identify, which would fit for a minute, a single rollout. No
+commands are `sf.record` and `sf.MujocoStepper`, in a user's own loop."""
+LOOP = (
+    "<mujoco><option integrator='{integrator}' cone='elliptic'/><worldbody><geom type='plane' size='9 9 1'/>"
+    "<body pos='0 0 .1'><freejoint/><geom type='box' size='.1 .1 .1' mass='2'/><body pos='0 0 .2'>"
+    "<joint axis='0 1 0' range='-1 1' limited='true'/><geom size='.05' mass='.2'/></body></body></worldbody>"
+    "</mujoco>"
+)
+"""A box on the ground with an arm."""
 
 
 def warmup(as_json: options.AsJson = False) -> int:
@@ -83,8 +91,10 @@ def _time_command(words: list[str]) -> dict[str, Any]:
     before, start, missing = compiled_so_far(), time.perf_counter(), None
     try:
         with contextlib.redirect_stdout(io.StringIO()):
-            if words == ["identify"]:
-                _throw_a_cube()
+            if own := {"identify": _throw_a_cube, "record": _record_a_loop, "step": _step_a_loop}.get(
+                " ".join(words)
+            ):
+                own()
             else:
                 tree()(args=words, prog_name="surefoot", standalone_mode=False)
     except MissingExtra as error:
@@ -139,6 +149,33 @@ def _throw_a_cube() -> None:
     start[0, 2], start[0, 6] = 0.06, 1.0
     scene = TossScene(start, np.array([20]), 0.01, GroundPlane(0.0, np.zeros(2)), GRAVITY, body)
     sphere_places(body.tree, ThrownModel().rollout(np.array([0.2, 0.1, 0.0]), scene))
+
+
+def _record_a_loop() -> None:
+    """Record a loop, read the log and judge it."""
+    from surefoot.records.audit import audit_log
+    from surefoot.worlds.mujoco.mujoco_world import import_mujoco
+    from surefoot.worlds.mujoco.recording import record
+
+    mujoco = import_mujoco()
+    model = mujoco.MjModel.from_xml_string(LOOP.format(integrator="RK4"))
+    data = mujoco.MjData(model)
+    with record(model, data) as log:
+        mujoco.mj_step(model, data, 20)
+    audit_log(log)
+
+
+def _step_a_loop() -> None:
+    """Step by exact contact, with every integrator."""
+    from surefoot.worlds.mujoco.mujoco_world import import_mujoco
+    from surefoot.worlds.mujoco.stepper.stepper import MujocoStepper
+
+    mujoco = import_mujoco()
+    for integrator in ("Euler", "RK4", "implicitfast"):
+        model = mujoco.MjModel.from_xml_string(LOOP.format(integrator=integrator))
+        data, stepper = mujoco.MjData(model), MujocoStepper(model)
+        for _ in range(20):
+            stepper.step(data)
 
 
 def _print(console: Console, facts: dict[str, Any]) -> None:

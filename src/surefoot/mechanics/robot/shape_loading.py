@@ -39,6 +39,11 @@ class ShapesOfFile:
     _file: tuple[Path, Callable[[], Any], Any] | None = None
     """The file, what loads the shapes, and the shapes as they were loaded, None for not yet."""
 
+    @property
+    def file(self) -> Path | None:
+        """The file that the shapes come from, None where they come from none."""
+        return None if self._file is None else self._file[0]
+
     def keep_file(self, path: Path, load: Callable[[], Any]) -> None:
         """Remember where the shapes that it has come from, and what loads them again."""
         self._file = path.resolve(), load, self.collision

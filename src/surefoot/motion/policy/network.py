@@ -76,6 +76,7 @@ class OnnxNetwork:
     def __init__(self, path: Path) -> None:
         with needs("onnxruntime", "policy"):
             import onnxruntime
+        self._path = path.resolve()
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = options.inter_op_num_threads = 1
         options.log_severity_level = 3
@@ -95,6 +96,13 @@ class OnnxNetwork:
             k: parse_metadata(v) for k, v in self._session.get_modelmeta().custom_metadata_map.items()
         }
         self.reset()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Reduce to the file, which a copy reads again, and the memory."""
+        return OnnxNetwork, (self._path,), self._feed
+
+    def __setstate__(self, feed: dict[str, Any]) -> None:
+        self._feed = {name: value.copy() for name, value in feed.items()}
 
     def reset(self) -> None:
         """See `Network`."""
@@ -126,10 +134,23 @@ class TorchNetwork:
             import torch
         self._torch, self.metadata = torch, dict[str, Any]()
         torch.set_num_threads(1)
+        self._path = path.resolve()
         try:
             self._module = torch.jit.load(str(path), map_location="cpu").eval()
         except (RuntimeError, ValueError) as error:
             raise ProblemError(f"{path} is no TorchScript network: {one_line(error)[:160]}") from error
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Reduce to the file, which a copy reads again.
+
+        Raises
+        ------
+        ProblemError
+            For a network with a memory: TorchScript does not show it.
+        """
+        if hasattr(self._module, "reset_memory"):
+            raise ProblemError(f"{self._path} has a memory that TorchScript does not show: open it anew")
+        return TorchNetwork, (self._path,)
 
     def reset(self) -> None:
         """See `Network`."""

@@ -241,10 +241,8 @@ class _Feed:
 
     def __init__(self, spec: PolicySpec, functions: Mapping[str, TermFunction], senses: Senses) -> None:
         self._spec, self._terms = spec, spec.observations
-        self._sensed = [
-            KINDS[term.name].sensed if term.name in KINDS else _by_user(functions[term.name])
-            for term in self._terms
-        ]
+        self._functions = dict(functions)
+        self._sensed = self._find_sensed()
         sizes = []
         for term, sensed in zip(self._terms, self._sensed, strict=True):
             size = len(np.atleast_1d(sensed(senses, term.settings)))
@@ -259,6 +257,22 @@ class _Feed:
         self._past = np.zeros((longest, starts[-1]))  # the newest first
         self._index = self._order(starts)
         self._empty = True
+
+    def _find_sensed(self) -> list[Callable[[Senses, Mapping[str, Any]], FloatArray]]:
+        """Return what senses each term."""
+        known = [term.name in KINDS for term in self._terms]
+        return [
+            KINDS[term.name].sensed if own else _by_user(self._functions[term.name])
+            for term, own in zip(self._terms, known, strict=True)
+        ]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return all but what the terms' names say."""
+        return {name: value for name, value in vars(self).items() if name != "_sensed"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self._sensed = self._find_sensed()
 
     def _order(self, starts: Any) -> Any:
         """Return where in the past each number of the input stands."""

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
-from surefoot.worlds.mujoco.record_capture import RawBlock, RawSteps, Scheme
+from surefoot.worlds.mujoco.record_capture import OF_STATE, START, RawBlock, RawSteps, Scheme
 from surefoot.worlds.mujoco.record_tree import BodyTree
 
 EXACT = 1e-3
@@ -120,7 +120,7 @@ class StepReplay:
                 stage.time = end + node * h
                 raw.remember()
                 mujoco.mj_forward(model, stage)
-                raw.take(stage.time, h, Scheme.RK4)
+                raw.take_instant(h, Scheme.RK4)
                 speed, rate, growth = stage.qvel.copy(), stage.qacc.copy(), stage.act_dot.copy()
                 rates[row, k] = rate
                 if k == 0:
@@ -138,6 +138,9 @@ class StepReplay:
         state, data = block.state(row), self._data
         if state is not None:
             self._mujoco.mj_setState(self._model, data, state, self._spec)
+        else:
+            for name in OF_STATE[len(START) :]:
+                getattr(data, name)[:] = block[name][row]
         parts = [block[f"start_{name}"][row] for name in ("qpos", "qvel", "act")]
         data.qpos[:], data.qvel[:], data.act[:] = parts
         data.qacc_warmstart[:] = block["start_qacc_warmstart"][row]

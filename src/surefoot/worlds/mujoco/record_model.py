@@ -54,26 +54,23 @@ class ModelWatch:
     def __init__(self, mujoco: Any, model: Any) -> None:
         self._mujoco, self._model = mujoco, model
         self._views = [*(getattr(model, name) for name in WATCHED), model.opt.gravity]
-        self._table = MemoryTable(self._views[:-1])
-        self._gravity = self._views[-1]  # lies elsewhere
+        self._table = MemoryTable(self._views)
         self._differ = entry_point(parts_differ, *COPY_TYPES)
-        self._known, self._known_gravity = self._numbers()
+        self._known = self._numbers()
         self.versions: list[tuple[int, float, FloatArray]] = [(0, 0.0, self._known)]
 
-    def look(self, step: int, time: float) -> None:
-        """Take note of what changed before a step that began at a time [s]."""
-        table = self._table
-        if (
-            self._differ(table.base, table.parts, self._known)
-            or self._gravity.tolist() != self._known_gravity
-        ):
-            self._known, self._known_gravity = self._numbers()
-            self.versions.append((step, time, self._known))
+    def changed(self) -> bool:
+        """Return whether a number is another than it was."""
+        return self._differ(self._table.base, self._table.parts, self._known)
 
-    def _numbers(self) -> tuple[FloatArray, list[float]]:
-        """Return all watched numbers, gravity last, and gravity."""
-        flat = np.concatenate([view.reshape(-1) for view in self._views])
-        return flat, self._gravity.tolist()
+    def note(self, step: int, time: float) -> None:
+        """Keep what changed before a step that began at a time [s]."""
+        self._known = self._numbers()
+        self.versions.append((step, time, self._known))
+
+    def _numbers(self) -> FloatArray:
+        """Return all watched numbers, gravity last."""
+        return np.concatenate([view.reshape(-1) for view in self._views])
 
     def version(self, step: int) -> int:
         """Return which version of the model a step was made with."""

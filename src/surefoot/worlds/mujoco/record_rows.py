@@ -8,17 +8,14 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
-from surefoot.worlds.mujoco.record_capture import RawBlock, RawSteps, Scheme
+from surefoot.worlds.mujoco.record_capture import RawBlock, RawSteps
 from surefoot.worlds.mujoco.record_contacts import Slots
+from surefoot.worlds.mujoco.record_copy import NO_ROOM
 from surefoot.worlds.mujoco.record_forces import TreeForces
 from surefoot.worlds.mujoco.record_instants import Kinematics, StepReplay
 from surefoot.worlds.mujoco.record_model import ModelWatch, TorqueDemand
 from surefoot.worlds.mujoco.record_tree import BodyTree
 
-RAW_BYTES = 64 << 20
-"""Raw copies that are held before they are worked out [bytes]."""
-MOST_RAW_ROWS = 1 << 14
-"""And the most of them."""
 BLOCK = 1024
 """Rows that are worked out at once."""
 
@@ -45,7 +42,7 @@ class RecordedRows:
         self.watch = ModelWatch(mujoco, model)
         self.replay = StepReplay(mujoco, self.model)
         self._kinematics = Kinematics(mujoco, self.model, mujoco.MjData(self.model), tree)
-        self.raw = RawSteps(mujoco, model, data, 256)
+        self.raw = RawSteps(mujoco, model, data)
         self._blocks: list[dict[str, Any]] = []
         self._done = self._worked = self._version = 0
 
@@ -54,16 +51,14 @@ class RecordedRows:
         """Number of rows so far."""
         return self._done + self.raw.count
 
-    def take(self, time: float, step: float, scheme: Scheme) -> None:
-        """Copy the step that the data has just made."""
-        raw = self.raw
-        if raw.count == raw.room:
-            if raw.room >= MOST_RAW_ROWS or raw.bytes >= RAW_BYTES // 2:
-                self.work_out()
-            else:
-                raw.grow()
-        self.watch.look(self.count, time)
-        raw.take(time, step, scheme)
+    def take(self, scheme: int = -1) -> int:
+        """Copy the step that the data has just made, -1 for the model's scheme; see `RawSteps.take`."""
+        raw, watch = self.raw, self.watch
+        if watch.changed():
+            watch.note(self.count, raw.begun)
+        while (out := raw.take(scheme)) == NO_ROOM:
+            self.work_out()
+        return out
 
     def work_out(self) -> None:
         """Turn the raw copies into rows of channels, and forget them."""

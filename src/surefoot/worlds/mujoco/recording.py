@@ -18,6 +18,7 @@ from surefoot.base.errors import ProblemError
 from surefoot.records import Ending, Log, find_doubts
 from surefoot.worlds.mujoco.mujoco_world import import_mujoco
 from surefoot.worlds.mujoco.record_capture import Scheme
+from surefoot.worlds.mujoco.record_copy import NO_STEP
 from surefoot.worlds.mujoco.record_hooks import StepHooks
 from surefoot.worlds.mujoco.record_model import foot_geoms, model_facts
 from surefoot.worlds.mujoco.record_open import OpenContacts
@@ -53,10 +54,8 @@ class Recording(Log):
         names = [self._rows.slots.name(geom) for geom in range(model.ngeom)]
         self._facts = model_facts(self._mujoco, model, self._tree, names)
         self._hooks = StepHooks(self._mujoco, model, data, self)
-        kinds = self._mujoco.mjtIntegrator
-        self._schemes = {int(kinds.mjINT_EULER): Scheme.EULER, int(kinds.mjINT_RK4): Scheme.RK4}
         self._open = False
-        self._start = self._last = 0.0
+        self._raw = self._rows.raw
         self._episodes = [0]
         self._reset = False
         self._left_out = self._unseen = 0
@@ -68,8 +67,7 @@ class Recording(Log):
         start.qpos[:] = self._data.qpos
         self._mujoco.mj_kinematics(self._model, start)
         self._feet = foot_geoms(self._model, start, self._tree)
-        self._start = self._last = self._data.time
-        self._rows.raw.remember()
+        self._raw.remember()
         self._open = True
         return self
 
@@ -102,45 +100,39 @@ class Recording(Log):
 
     def begin_step(self) -> None:
         """Keep the state that a step starts from; called by MuJoCo's functions."""
-        self.look()
-        self._rows.raw.remember()
-        self._start = self._data.time
+        if not self._raw.note_start():
+            self.look()
+            self._raw.remember()
 
     def end_step(self, scheme: Scheme | None) -> None:
         """Record the step that began at `begin_step`; called by MuJoCo's functions."""
-        now, time, step = self._data.time, self._start, self._option.timestep
-        if not abs(now - time - step) < 1e-6 * step + 1e-12:
+        if self._rows.take(-1 if scheme is None else scheme) == NO_STEP:
             self._left_out += 1
-            self._reset = self._reset or now < time + step
-            self._rows.raw.remember()
-        else:
-            if self._reset:
-                self._begin_episode()
-            if scheme is None:
-                scheme = self._schemes.get(self._option.integrator, Scheme.IMPLICIT)
-            self._rows.take(time, step, scheme)
-        self._last = now
+            self._reset = self._reset or self._raw.fell_back
+            self._raw.remember()
+        elif self._reset:
+            self._begin_episode()
 
     def look(self) -> None:
         """Compare the clock with what it was after the last step: time that moved was not seen."""
-        moved = self._data.time - self._last
+        moved = self._data.time - self._raw.last
         if moved:
             if moved < 0.0:
                 self._reset = True
             elif not self._reset and moved > 1e-6 * self._option.timestep:
                 self._unseen += 1
-            self._last = self._data.time
+            self._raw.last = self._data.time
 
     def end_episode(self) -> None:
         """End the episode: what comes next starts from a state that was set."""
         self._reset = True
-        self._last = self._data.time
+        self._raw.last = self._data.time
 
     def _begin_episode(self) -> None:
-        """Begin an episode with the row that comes next."""
+        """Begin an episode with the last row."""
         self._reset = False
-        if self._rows.count > self._episodes[-1]:
-            self._episodes.append(self._rows.count)
+        if self._rows.count - 1 > self._episodes[-1]:
+            self._episodes.append(self._rows.count - 1)
 
     def step(self) -> None:
         """Record the step that was just made by other means than MuJoCo's functions in Python.
@@ -150,9 +142,8 @@ class Recording(Log):
         """
         if not self._open:
             raise ProblemError("log.step() belongs inside the with")
-        if self._data.time != self._last:
-            self._start = self._last
-            self._rows.raw.start_from_last()
+        if self._data.time != self._raw.last:
+            self._raw.start_from_last()
             self.end_step(None)
 
     def _finish(self, ending: Ending, error: str) -> None:

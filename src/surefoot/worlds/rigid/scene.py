@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple, Unpack
 
 import numpy as np
@@ -150,9 +151,10 @@ class Scene(Robot):
                 start.append(np.array([*body.position, *body.orientation], dtype=np.float64))
         apart = frozenset() if own is None else own.apart
         self.geometry = Geometry(tuple(solids), apart, combine)
-        empty = pinocchio.GeometryModel()
         collision, visual = (
-            (empty, lambda: empty) if robot is None else (robot.collision, lambda: robot.visual)
+            (_no_shapes(), _no_shapes)
+            if robot is None
+            else (robot.collision, partial(getattr, robot, "visual"))
         )
         # Where the free bodies' quaternions lie in q, behind three of the place each.
         free = [model.joints[joint].idx_q for joint in self._joint.values() if joint]
@@ -161,6 +163,8 @@ class Scene(Robot):
         super().__init__("scene", model, collision, visual, (), np.concatenate(start), floating)
         if robot is not None:
             self.feet = robot.feet
+            if robot.file is not None:
+                self.keep_file(robot.file, partial(getattr, robot, "collision"))
         self.nominal = self.configuration(self.nominal)
 
     @property
@@ -236,6 +240,11 @@ class Pose(NamedTuple):
 
     position: FloatArray
     rotation: FloatArray
+
+
+def _no_shapes() -> Any:
+    """Return Pinocchio's geometry model of nothing."""
+    return import_pinocchio().GeometryModel()
 
 
 def _add(model: Any, body: Body) -> int:

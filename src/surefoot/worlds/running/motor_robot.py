@@ -18,7 +18,7 @@ from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
 from surefoot.worlds.running.sensors import SensorModel, Sensors
 
 if TYPE_CHECKING:  # DDS is an extra of its own: a robot without a wire needs none
-    from surefoot.motion import Dialect, WireEnd
+    from surefoot.motion import Dialect, PackedMessage, WireEnd
 
 DROP = 0.01
 """How high above the ground a robot that lies is let go [m]."""
@@ -144,7 +144,7 @@ SILENCE = 0.02
 MACHINE = 5
 """A humanoid's `mode_machine`."""
 PATIENT = 1.0
-"""Longest wait for an answer in slow motion [s]."""
+"""Time without an answer in slow motion after which a state is said again [s]."""
 
 
 class WiredRobot:
@@ -177,10 +177,10 @@ class WiredRobot:
     def step(self) -> None:
         """Say what is read, listen, and go on by a step."""
         robot = self.robot
-        self.end.send(self.dialect.state_message(robot.read().ordered(self._order), MACHINE))
+        state = self.dialect.state_message(robot.read().ordered(self._order), MACHINE)
+        self.end.send(state)
         self._due = max(self._due + robot.dt, clock.perf_counter() - robot.dt)
-        left = max(self._due - clock.perf_counter(), 1e-5)
-        message = self.end.receive(PATIENT if self.slow and not self._silent else left)
+        message = self._listen(state)
         targets = None if message is None else self.dialect.targets(message, MACHINE)
         if targets is None and self.slow and not self._heard:
             return
@@ -196,3 +196,13 @@ class WiredRobot:
         left = self._due - clock.perf_counter()
         if left > 0.0 and not self.slow:
             clock.sleep(left)
+
+    def _listen(self, state: PackedMessage) -> PackedMessage | None:
+        """Return the command that comes in time; in slow motion the answer, if anybody is there."""
+        if not self.slow or self._silent:
+            return self.end.receive(max(self._due - clock.perf_counter(), 1e-5))
+        message = self.end.receive(PATIENT)
+        while message is None and self._heard and self.end.partners():
+            self.end.send(state)
+            message = self.end.receive(PATIENT)
+        return message

@@ -134,6 +134,10 @@ class WireEnd:
         known = dict(self._programs())
         return sorted(known.get(key, f"DDS participant {key}") for key in keys)
 
+    def partners(self) -> int:
+        """Return how many programs write what is received here."""
+        return len(self._reader.get_matched_publications())
+
     def neighbours(self) -> list[str]:
         """Return the other programs in the domain, in words."""
         own = self._party.get_guid()

@@ -22,3 +22,6 @@ class Transport(Protocol):
 
     def neighbours(self) -> Sequence[str]:
         """Return the other programs on the wire, whatever they say, in words."""
+
+    def partners(self) -> int:
+        """Return how many programs are there that may say the next state."""

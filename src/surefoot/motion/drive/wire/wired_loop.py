@@ -22,7 +22,9 @@ from surefoot.motion.drive.wire.transport import Transport
 LATE = 1.5
 """A reading is missing after so many steps since the last."""
 PATIENT = 1.0
-"""The same for a robot in slow motion, where nobody can tell [s]."""
+"""Time without a state in slow motion after which the robot is looked for [s]."""
+AGAIN = 0.5
+"""In slow motion a state that comes again so long after its answer has not got it [s]."""
 LONGEST, REST = 30.0, 0.5
 """Longest time to reach a posture, and time in it before the next [s]."""
 NOTHING_CAME = "no reading came"
@@ -66,6 +68,8 @@ class WiredLoop:
         self._late = LATE * loop.dt if simulator is None else OVERDUE
         self._patience = STOPPED if simulator is not None else PATIENT
         self._machine = 0
+        self._sent: PackedMessage | None = None
+        self._answered, self._answer_at = -1.0, 0.0
         self._due = clock.perf_counter()
 
     def wait(self, seconds: float) -> None:
@@ -92,9 +96,12 @@ class WiredLoop:
             self._machine = 0 if self.dialect.headed else int(message["mode_machine"])
             self._due = now + self._late
         targets = self.loop.step(readings, None if self.slow else now)
-        self.end.send(self.dialect.command_message(targets, self._machine))
+        self._sent = self.dialect.command_message(targets, self._machine)
+        self.end.send(self._sent)
         if self.slow and message is not None:  # a step may take long where machines are busy
-            self._due = clock.perf_counter() + self._patience
+            self._answer_at = clock.perf_counter()
+            self._answered = -1.0 if readings is None else readings.time
+            self._due = self._answer_at + self._patience
         self.loop.plan_ahead()
         self._look_out()
         if self.watch is not None:
@@ -107,10 +114,15 @@ class WiredLoop:
         while True:
             message = self.end.receive(max(self._due - clock.perf_counter(), 1e-5))
             if message is None:
+                if self.slow and self.end.partners():  # it is there, and waits for nobody else
+                    self._due = clock.perf_counter() + self._patience
+                    continue
                 return None, None
             readings = self.dialect.readings(message)
             if readings is None:
                 self.refused[self.dialect.refusal(message)] += 1
+            elif self._comes_again(readings):
+                continue
             if self.simulator is None or readings is None:
                 return message, readings
             # in slow motion a step has no length by any clock
@@ -118,6 +130,18 @@ class WiredLoop:
             time = self.simulator.stamp(readings.time, now)
             if time is not None:
                 return message, readings._replace(time=time)
+
+    def _comes_again(self, readings: RobotReadings) -> bool:
+        """Return whether a robot in slow motion repeats an answered state; answer again if need be.
+
+        It repeats what nobody answers for a while: the answer was late, or it was lost.
+        """
+        if not self.slow or self.simulator is not None or readings.time != self._answered:
+            return False
+        if self._sent is not None and clock.perf_counter() - self._answer_at >= AGAIN:
+            self.end.send(self._sent)
+            self._answer_at = clock.perf_counter()
+        return True
 
     def _look_out(self) -> None:
         """Damp the robot if somebody else begins to command it."""

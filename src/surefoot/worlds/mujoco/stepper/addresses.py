@@ -7,20 +7,20 @@ each of them takes longer than a small step. The struct that holds their address
 from __future__ import annotations
 
 import ctypes
-import importlib
 from functools import cache
 from typing import Any
 
 import numpy as np
 
-from surefoot.base.arrays import FloatArray, IntArray
-from surefoot.base.errors import ModelError
-from surefoot.worlds.mujoco.record_capture import contact_struct
+from surefoot.base.arrays import IntArray
+from surefoot.worlds.mujoco.memory_places import (
+    PROBE,
+    address_of,
+    contact_struct,
+    field_offsets,
+    unknown_layout,
+)
 
-FIRST_BYTE = 8
-"""Address that the views of all memory begin at: zero is none."""
-SPAN = 1 << 47
-"""Bytes that they reach over: user space on 64-bit Linux, macOS and Windows."""
 ARENA = (
     "efc_J", "efc_type", "efc_id", "efc_pos", "efc_margin", "efc_frictionloss", "efc_vel", "efc_aref",
     "efc_R", "efc_force",
@@ -28,25 +28,6 @@ ARENA = (
 """Arrays of constraints that are read or written."""
 CONTACT_FIELDS = ("dist", "includemargin", "friction", "dim", "geom", "exclude", "efc_address")
 """Fields of a contact that are."""
-_PROBE = """
-<mujoco><option cone="elliptic" jacobian="dense"/><worldbody><geom type="plane" size="1 1 1"/>
-<body pos="0 0 0.09"><freejoint/><geom type="box" size="0.1 0.1 0.1"/></body></worldbody></mujoco>
-"""
-
-
-@cache
-def all_memory() -> tuple[FloatArray, IntArray, Any]:
-    """Return views (n,) of all memory as float64, int64 and int32, to look addresses up in."""
-    floats = (ctypes.c_double * (SPAN // 8)).from_address(FIRST_BYTE)
-    whole = (ctypes.c_int64 * (SPAN // 8)).from_address(FIRST_BYTE)
-    half = (ctypes.c_int32 * (SPAN // 4)).from_address(FIRST_BYTE)
-    return np.ctypeslib.as_array(floats), np.ctypeslib.as_array(whole), np.ctypeslib.as_array(half)
-
-
-def place_of(array: Any) -> int:
-    """Return where an array begins, as an index of the view of its kind; 0 for an empty one."""
-    address = int(array.__array_interface__["data"][0])
-    return (address - FIRST_BYTE) // array.itemsize if array.size else 0
 
 
 @cache
@@ -61,39 +42,26 @@ def arena_words(mujoco: Any) -> IntArray:
     ModelError
         If this MuJoCo keeps its data in another way.
     """
-    model = mujoco.MjModel.from_xml_string(_PROBE)
+    model = mujoco.MjModel.from_xml_string(PROBE)
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     # behind the two numbers of the energies every field is an address
-    first = (data.energy.__array_interface__["data"][0] - data._address) // 8 + 2
-    found: IntArray = first + _places_after_energy(mujoco, (*ARENA, "contact"))
+    names = (*ARENA, "contact")
+    offsets = field_offsets(mujoco, "mjData", "energy", "efc_force")
+    if not all(name in offsets for name in names):
+        raise unknown_layout(mujoco)
+    first = (address_of(data.energy) - data._address) // 8
+    found: IntArray = first + np.array([offsets[name] // 8 for name in names])
     words = np.ctypeslib.as_array((ctypes.c_int64 * int(found.max() + 1)).from_address(data._address))
     arrays = [*(getattr(data, name) for name in ARENA), data.contact.dist]
-    if any(words[at] != a.__array_interface__["data"][0] for at, a in zip(found, arrays, strict=True)):
-        raise _unknown(mujoco)
+    if any(words[at] != address_of(array) for at, array in zip(found, arrays, strict=True)):
+        raise unknown_layout(mujoco)
     return found
-
-
-def _places_after_energy(mujoco: Any, wanted: tuple[str, ...]) -> IntArray:
-    """Return how many fields of mjData lie between the energies and each of some."""
-    try:
-        fields = importlib.import_module("mujoco.introspect.structs").STRUCTS["mjData"].fields
-        names = [field.name for field in fields]
-        return np.array([names.index(name) for name in wanted]) - names.index("energy") - 1
-    except (ImportError, AttributeError, KeyError, ValueError) as error:
-        raise _unknown(mujoco) from error
-
-
-def _unknown(mujoco: Any) -> ModelError:
-    return ModelError(f"MuJoCo {mujoco.__version__} keeps its constraints in an unknown way")
 
 
 @cache
 def contact_places(mujoco: Any) -> IntArray:
     """Return (8,) a contact's size, and the offsets of `CONTACT_FIELDS` in it, in bytes."""
-    model = mujoco.MjModel.from_xml_string(_PROBE)
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    struct = contact_struct(data.contact)
+    struct = contact_struct(mujoco)
     fields: Any = struct.fields
     return np.array([struct.itemsize, *(int(fields[name][1]) for name in CONTACT_FIELDS)], dtype=np.int64)

@@ -16,7 +16,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.errors import ProblemError
 from surefoot.base.kernels import entry_point, kernel
-from surefoot.worlds.mujoco.stepper.addresses import all_memory, place_of
+from surefoot.worlds.mujoco.memory_places import all_memory, place_of
 
 FOLLOWED = (
     "body_mass", "body_inertia", "body_ipos", "body_iquat", "body_pos", "body_quat", "body_gravcomp",

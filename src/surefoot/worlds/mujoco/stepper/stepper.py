@@ -11,7 +11,9 @@ import numpy as np
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray, real_number
 from surefoot.base.errors import ProblemError
 from surefoot.base.kernels import entry_point
+from surefoot.base.memory import Remade
 from surefoot.contact import Status
+from surefoot.worlds.mujoco.memory_places import FIRST_BYTE, all_memory, place_of
 from surefoot.worlds.mujoco.spec import import_mujoco
 from surefoot.worlds.mujoco.stepper import addresses
 from surefoot.worlds.mujoco.stepper.implicit import ImplicitInertia
@@ -78,7 +80,7 @@ class StepCertificate(NamedTuple):
     violation: float
 
 
-class MujocoStepper(ProblemStepper):
+class MujocoStepper(Remade, ProblemStepper):
     """`mujoco.mj_step` with Coulomb's law for contacts, and hard limits, equalities and dry friction.
 
     ``stepper.step(data)`` takes the place of ``mujoco.mj_step(model, data)``: collision, actuation, passive
@@ -156,7 +158,7 @@ class MujocoStepper(ProblemStepper):
         self._implicit: ImplicitInertia | None = None
         self._arena = addresses.arena_words(mujoco)
         self._layout = addresses.contact_places(mujoco)
-        self._memory_views = addresses.all_memory()
+        self._memory_views = all_memory()
         self._option = self.model.opt
         self._settings = np.array([
             0.0, self.share, self.tol, REACH, self.restitution, 0.0, self._private.limit_reach, 0.0,
@@ -199,6 +201,14 @@ class MujocoStepper(ProblemStepper):
         memory = read_memory(impulses)
         self._bind(data)
         self._memory, self._told[LAST] = memory, len(impulses.keys)
+    def _lasting(self) -> Any:
+        """See `Remade`: the last step's impulses and what it told."""
+        return self.steps, self.unsolved, self._status, self._told.copy(), [a.copy() for a in self._memory]
+
+    def _go_on(self, lasting: Any) -> None:
+        """See `Remade`."""
+        self.steps, self.unsolved, self._status, self._told, memory = lasting
+        self._memory = tuple(memory)
 
     def step(self, data: Any) -> None:
         """Advance the data by a time step, in place of ``mujoco.mj_step``."""
@@ -295,7 +305,7 @@ class MujocoStepper(ProblemStepper):
         settings = self._settings
         settings[STEP], settings[START] = self._option.timestep, 0.0
         if start is not None:
-            settings[START] = addresses.place_of(start)
+            settings[START] = place_of(start)
         if self.restitution:
             settings[SLOWEST] = RESTS * settings[STEP] * float(np.linalg.norm(self._option.gravity))
         failed = self._call(
@@ -335,12 +345,13 @@ class MujocoStepper(ProblemStepper):
             data.qvel, data.qfrc_smooth, data.qacc_smooth, data.qfrc_constraint, data.qacc, data.M,
             model.M_rownnz, model.M_rowadr, model.M_colind, model.dof_treeid,
         ]  # fmt: skip
-        places = [addresses.place_of(part) for part in parts]
-        struct = (data._address - addresses.FIRST_BYTE) // 8
+        places = [place_of(part) for part in parts]
+        struct = (data._address - FIRST_BYTE) // 8
         sizes = [struct, model.nv, data.M.size, model.ntree]
         self._fixed: IntArray = np.array([*places, *sizes], dtype=np.int64)
+        if self._data is not None:  # the impulses of a copy are those of its first data
+            self.reset()
         self._data = data
-        self.reset()
 
     def _harden(self, data: Any) -> None:
         """Let soft contacts be seen from where the model says, not from the reach on."""
