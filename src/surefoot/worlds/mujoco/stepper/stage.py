@@ -9,7 +9,7 @@ from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import INTEGER, MATRIX, VECTOR, inline_kernel, kernel, window
 from surefoot.base.numerics.lu_factors import apply_lu, factor_lu
 from surefoot.base.numerics.tree_factor import factor_tree, half_solve_tree, solve_tree
-from surefoot.contact import ROW_ATTEMPTS, ROW_PENALTY, SOFT_ROWS, count_parts, solve_part
+from surefoot.contact import ROW_PENALTY, SOFT_ROWS, count_parts, solve_rows
 from surefoot.worlds.mujoco.stepper.rows import (
     FIRST_BYTE,
     FORCE,
@@ -74,36 +74,6 @@ def _weights(
 
 
 @inline_kernel
-def _try_starts(
-    M: FloatArray, v: FloatArray, J: FloatArray, b: FloatArray, table: IntArray, numbers: FloatArray,
-    tol: float, x: FloatArray, told: FloatArray,
-) -> None:  # fmt: skip
-    """Solve one part from one start after another; x (rows,) impulses and v (n,) velocities are replaced."""
-    least, speed, start, free = np.inf, 0.0, x.copy(), v.copy()
-    for i in range(x.size):
-        x[i] = 0.0
-    for attempt in ROW_ATTEMPTS:
-        trial, moved = start.copy(), free.copy()
-        if not attempt[1]:
-            for k in range(table.shape[0]):
-                if table[k, 0] != SOFT_ROWS:
-                    for i in range(table[k, 2], table[k, 2] + table[k, 1]):
-                        trial[i] = 0.0
-        used, error, speed = solve_part(M, moved, J, b, table, numbers, attempt[0], tol, trial)
-        told[STEPS] += used
-        if error < least:
-            least = error
-            for i in range(x.size):
-                x[i] = trial[i]
-            for i in range(v.size):
-                v[i] = moved[i]
-        if least <= tol:
-            break
-    told[ERROR], told[SPEED] = max(told[ERROR], least), max(told[SPEED], speed)
-    told[UNSOLVED] += 0.0 if least <= tol else 1.0
-
-
-@inline_kernel
 def _solve_parts(
     M: FloatArray, free: FloatArray, J: FloatArray, b: FloatArray, table: IntArray, numbers: FloatArray,
     part_of_tree: IntArray, tree_of: IntArray, parts: int, tol: float, x: FloatArray, told: FloatArray,
@@ -142,7 +112,10 @@ def _solve_parts(
                 for j in range(n):
                     own_J[at, j] = J[i, dofs[j]]
                 at += 1
-        _try_starts(own_M, v, own_J, own_b, own_table, own_numbers, tol, own_x, told)
+        used, error, speed = solve_rows(own_M, v, own_J, own_b, own_table, own_numbers, tol, own_x)
+        told[STEPS] += used
+        told[ERROR], told[SPEED] = max(told[ERROR], error), max(told[SPEED], speed)
+        told[UNSOLVED] += 0.0 if error <= tol else 1.0
         for i in range(rows):
             x[source[i]] = own_x[i]
         for i in range(n):
