@@ -26,6 +26,8 @@ ARENA = (
     "efc_R", "efc_force",
 )  # fmt: skip
 """Arrays of constraints that are read or written."""
+OF_DATA = ("qvel", "qfrc_smooth", "qacc_smooth", "qfrc_constraint", "qacc", "M")
+"""Other arrays of mjData that are."""
 CONTACT_FIELDS = ("dist", "includemargin", "friction", "dim", "geom", "exclude", "efc_address")
 """Fields of a contact that are."""
 _PROBE = """
@@ -51,7 +53,7 @@ def place_of(array: Any) -> int:
 
 @cache
 def arena_words(mujoco: Any) -> IntArray:
-    """Return at which words (11,) of mjData the addresses of `ARENA` stand, then that of the contacts.
+    """Return at which words (17,) of mjData the addresses of `ARENA`, the contacts and `OF_DATA` stand.
 
     The places are counted in MuJoCo's own list of its fields, from an array that lies in the struct itself:
     a search for the addresses would read past the struct's end, where copies of them may lie.
@@ -66,9 +68,10 @@ def arena_words(mujoco: Any) -> IntArray:
     mujoco.mj_forward(model, data)
     # behind the two numbers of the energies every field is an address
     first = (data.energy.__array_interface__["data"][0] - data._address) // 8 + 2
-    found: IntArray = first + _places_after_energy(mujoco, (*ARENA, "contact"))
+    found: IntArray = first + _places_after_energy(mujoco, (*ARENA, "contact", *OF_DATA))
     words = np.ctypeslib.as_array((ctypes.c_int64 * int(found.max() + 1)).from_address(data._address))
-    arrays = [*(getattr(data, name) for name in ARENA), data.contact.dist]
+    arrays = [getattr(data, name) for name in (*ARENA, *OF_DATA)]
+    arrays.insert(len(ARENA), data.contact.dist)
     if any(words[at] != a.__array_interface__["data"][0] for at, a in zip(found, arrays, strict=True)):
         raise _unknown(mujoco)
     return found

@@ -139,6 +139,7 @@ class PrivateModel:
 
     def _take_options(self) -> None:
         """Take over the options of the original."""
+        refuse(self._mujoco, self._original)
         self._known, option = self._options(), self._option
         for model in self._both:
             own = model.opt
@@ -146,7 +147,6 @@ class PrivateModel:
                 setattr(own, name, getattr(option, name))
             own.disableflags = int(option.disableflags) | int(self._mujoco.mjtDisableBit.mjDSBL_ISLAND)
             own.enableflags = option.enableflags
-        refuse(self._mujoco, self._original)
 
     def damping(self, qvel: FloatArray) -> FloatArray:
         """Return what Euler's method takes implicitly (nv,) [N s/m, N m s/rad]; (0,) for none."""

@@ -11,13 +11,19 @@ from surefoot.base.numerics.lu_factors import apply_lu, factor_lu
 from surefoot.base.numerics.tree_factor import factor_tree, half_solve_tree, solve_tree
 from surefoot.contact import ROW_PENALTY, SOFT_ROWS, count_parts, solve_rows
 from surefoot.worlds.mujoco.stepper.rows import (
+    CONTACTS,
+    DIMENSION,
+    ELLIPTIC,
+    EQUALITY,
     FIRST_BYTE,
     FORCE,
     ID,
+    PYRAMIDAL,
     SHARE,
     SOFTNESS,
     START,
     STEP,
+    STRIDE,
     TOL,
     TYPE,
     dense_inertia,
@@ -28,7 +34,7 @@ from surefoot.worlds.mujoco.stepper.rows import (
 )
 
 QVEL, QFRC_SMOOTH, QACC_SMOOTH, QFRC_CONSTRAINT, QACC, MASS, ROWS, STARTS, COLUMNS, TREES = range(10)
-"""Places of arrays that do not move."""
+"""Places of arrays: `addresses.OF_DATA`, filled by the stage, and those of the model, which do not move."""
 STRUCT, NV, NC, NTREE = range(10, 14)
 """After them: mjData itself, and sizes."""
 WORDS, HALVES, TABLE = numba.int64[::1], numba.int32[::1], numba.int64[:, ::1]
@@ -39,6 +45,8 @@ STAGE_TYPES = (
 ERROR, SPEED, STEPS, BLOCKS, UNSOLVED, VIOLATION, _, LAST = range(8)
 """What the stage tells: velocity error over the speed, the speed [m/s], Newton steps, blocks, connected parts
 that are not solved, and the largest violation of a position [m, rad]."""
+FOREIGN = -2
+"""Answer to rows that another model has made."""
 SMALL = 1e-9
 """Violation that is left alone [m, rad], and the share of the largest weight that every row's counts at least
 [-]: a row that the mechanism hardly moves must not be given a penalty without bounds."""
@@ -165,12 +173,34 @@ def _push(
 
 @inline_kernel
 def _find_places(words: IntArray, fixed: IntArray, arena: IntArray) -> IntArray:
-    """Return where the arena's arrays begin now, in entries of their kinds."""
-    at = np.empty(arena.size, np.int64)
-    for a in range(arena.size):
+    """Return where the arena's arrays begin now, in entries of their kinds; fill the data's into `fixed`.
+
+    All are looked up anew in every step: a data that was made again, copied into or grown has others.
+    """
+    at = np.empty(CONTACTS + 1, np.int64)
+    for a in range(at.size):
         size = 4 if a in (TYPE, ID) else 8
         at[a] = (words[fixed[STRUCT] + arena[a]] - FIRST_BYTE) // size
+    for a in range(arena.size - at.size):
+        fixed[a] = (words[fixed[STRUCT] + arena[at.size + a]] - FIRST_BYTE) // 8
     return at
+
+
+@inline_kernel
+def _hers(floats: FloatArray, halves: IntArray, at: IntArray, layout: IntArray, count: int) -> bool:
+    """Return whether `count` rows are as the stepper's model makes them: no pyramids, contacts whole."""
+    i = 0
+    while i < count:
+        kind, dim = halves[at[TYPE] + i], 1
+        if kind < EQUALITY or kind > ELLIPTIC or kind == PYRAMIDAL:
+            return False
+        if kind == ELLIPTIC:
+            base = 8 * at[CONTACTS] + layout[STRIDE] * halves[at[ID] + i]
+            dim = halves[(base + layout[DIMENSION]) // 4]
+            if dim < 3 or i + dim > count:
+                return False
+        i += dim
+    return True
 
 
 @inline_kernel
@@ -203,6 +233,8 @@ def exact_stage(
 ) -> int:  # fmt: skip
     """Fill MuJoCo's constraint forces, accelerations and the push; return the connected parts not solved.
 
+    -1 is an inertia without factors, `FOREIGN` rows that the stepper's model has not made.
+
     Parameters
     ----------
     floats, words, halves
@@ -225,8 +257,10 @@ def exact_stage(
         (nv,) velocity of the positions alone [m/s, rad/s].
     """
     nv, h = int(fixed[NV]), settings[STEP]
-    qvel = window(floats, fixed[QVEL], 1, nv)[0]
     at = _find_places(words, fixed, arena)
+    if not _hers(floats, halves, at, layout, count):
+        return FOREIGN
+    qvel = window(floats, fixed[QVEL], 1, nv)[0]
     rows, starts, tree_of = np.empty(nv, np.int64), np.empty(nv, np.int64), np.empty(nv, np.int64)
     for i in range(nv):
         rows[i], starts[i] = halves[fixed[ROWS] + i], halves[fixed[STARTS] + i]

@@ -15,6 +15,7 @@ from surefoot.base.kernels import entry_point
 from surefoot.contact import Status
 from surefoot.worlds.mujoco.spec import import_mujoco
 from surefoot.worlds.mujoco.stepper import addresses
+from surefoot.worlds.mujoco.stepper.data_guard import DataGuard, foreign_rows, in_turn
 from surefoot.worlds.mujoco.stepper.implicit import ImplicitInertia
 from surefoot.worlds.mujoco.stepper.private_model import PrivateModel
 from surefoot.worlds.mujoco.stepper.rows import SLOWEST, START, STEP
@@ -22,6 +23,7 @@ from surefoot.worlds.mujoco.stepper.runge_kutta import finish_runge_kutta
 from surefoot.worlds.mujoco.stepper.stage import (
     BLOCKS,
     ERROR,
+    FOREIGN,
     LAST,
     SPEED,
     STAGE_TYPES,
@@ -85,11 +87,9 @@ class MujocoStepper:
     ``stepper.step(data)`` takes the place of ``mujoco.mj_step(model, data)``: collision, actuation, passive
     forces, sensors, callbacks and integrators (Euler, implicit, implicitfast, RK4) stay MuJoCo's, and forces,
     accelerations and sensors in the data are those of the exact laws. Limits and contacts are unilateral,
-    with
-    sliding, spinning and rolling friction in MuJoCo's elliptic cone (friction of condim 3, 4, 6, two sliding
-    coefficients); equalities allow no velocity; dry friction of joints is a bound. A violation of positions
-    is
-    undone beside the motion, see `share`.
+    with sliding, spinning and rolling friction in MuJoCo's elliptic cone (friction of condim 3, 4, 6, two
+    sliding coefficients); equalities allow no velocity; dry friction of joints is a bound. A violation of
+    positions is undone beside the motion, see `share`. A stepper is for one thread at a time.
 
     Parameters
     ----------
@@ -152,7 +152,8 @@ class MujocoStepper:
         self.steps = self.unsolved = 0
         self._told, self._push = np.zeros(8), np.zeros(model.nv)
         self._memory = _room(64)
-        self._data: Any = None
+        self._guard = DataGuard(mujoco, self.model)
+        self._ready: Any = None
         self._implicit: ImplicitInertia | None = None
         self._arena = addresses.arena_words(mujoco)
         self._layout = addresses.contact_places(mujoco)
@@ -190,22 +191,38 @@ class MujocoStepper:
         """Forget the last impulses: the next step starts from none."""
         self._told[LAST] = 0.0
 
+    @in_turn
     def step(self, data: Any) -> None:
         """Advance the data by a time step, in place of ``mujoco.mj_step``."""
-        self.step_first(data)
-        self.step_second(data)
+        self._begin(data)
+        self._finish(data, halves=False)
 
+    @in_turn
     def step_first(self, data: Any) -> None:
         """Do what ``mujoco.mj_step1`` does."""
-        self._private.follow()
-        self._mujoco.mj_step1(self.model, data)
+        self._begin(data)
+        self._ready = data
 
+    @in_turn
     def step_second(self, data: Any, halves: bool = False) -> None:
         """Do what is left of the step after `step_first`, as ``mujoco.mj_step2`` does.
 
-        That takes Euler's method for RK4: `halves` says so.
+        That takes Euler's method for RK4: `halves` says so. Where `step_first` of this data was not the last
+        call it is done first: constraints that others make are not those that are solved.
         """
+        if self._ready is not data:
+            self._begin(data)
+        self._finish(data, halves)
+
+    def _begin(self, data: Any) -> None:
+        """Evaluate what depends on positions and velocities."""
+        self._private.follow()
+        self._mujoco.mj_step1(self.model, data)
+
+    def _finish(self, data: Any, halves: bool) -> None:
+        """Find forces and accelerations, and integrate."""
         mujoco, model = self._mujoco, self.model
+        self._ready = None
         mujoco.mj_fwdActuation(model, data)
         mujoco.mj_fwdAcceleration(model, data)
         self._constrain(data)
@@ -233,9 +250,11 @@ class MujocoStepper:
         """Do what ``mujoco.mj_step2`` does, Euler's method where the model asks for RK4."""
         self.step_second(data, halves=True)
 
+    @in_turn
     def forward(self, data: Any) -> None:
         """Do what ``mujoco.mj_forward`` does: forces and accelerations of the state, exact ones."""
         mujoco, model = self._mujoco, self.model
+        self._ready = None
         self._private.follow()
         mujoco.mj_fwdPosition(model, data)
         mujoco.mj_sensorPos(model, data)
@@ -270,8 +289,6 @@ class MujocoStepper:
     def _constrain(self, data: Any, start: FloatArray | None = None) -> None:
         """Fill the constraint forces and the accelerations; see `exact_stage`."""
         mujoco, model = self._mujoco, self.model
-        if data is not self._data:
-            self._bind(data)
         if self._soft.size and data.nefc:
             self._harden(data)
         count = data.nefc
@@ -288,10 +305,14 @@ class MujocoStepper:
             settings[START] = addresses.place_of(start)
         if self.restitution:
             settings[SLOWEST] = RESTS * settings[STEP] * float(np.linalg.norm(self._option.gravity))
+        if data.nJ != count * model.nv:
+            raise foreign_rows()
         failed = self._call(
             *self._memory_views, self._fixed, self._arena, self._layout, count, settings, self._soft,
             *self._inertia(data), self._memory, self._told, self._push,
         )  # fmt: skip
+        if failed == FOREIGN:
+            raise foreign_rows()
         if failed:
             if failed > 0 and self._told[ERROR] <= ACCEPTED:
                 self._status = Status.ALMOST
@@ -314,22 +335,14 @@ class MujocoStepper:
         return self._no_damping, self._implicit.fill(data)
 
     def _bind(self, data: Any) -> None:
-        """Find where the arrays of a data lie."""
+        """Find where a data lies, and the model's arrays; the stage finds the data's own."""
         model = self.model
-        if not isinstance(data, self._mujoco.MjData) or (data.qpos.size, data.qvel.size) != (
-            model.nq,
-            model.nv,
-        ):
-            raise ProblemError("step takes the MjData of the stepper's model")
-        parts = [
-            data.qvel, data.qfrc_smooth, data.qacc_smooth, data.qfrc_constraint, data.qacc, data.M,
-            model.M_rownnz, model.M_rowadr, model.M_colind, model.dof_treeid,
-        ]  # fmt: skip
-        places = [addresses.place_of(part) for part in parts]
-        struct = (data._address - addresses.FIRST_BYTE) // 8
+        parts = [model.M_rownnz, model.M_rowadr, model.M_colind, model.dof_treeid]
+        places = [0] * len(addresses.OF_DATA) + [addresses.place_of(part) for part in parts]
+        struct = (self._guard.address - addresses.FIRST_BYTE) // 8
         sizes = [struct, model.nv, data.M.size, model.ntree]
         self._fixed: IntArray = np.array([*places, *sizes], dtype=np.int64)
-        self._data = data
+        self._ready = None
         self.reset()
 
     def _harden(self, data: Any) -> None:
