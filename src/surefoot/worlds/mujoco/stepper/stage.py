@@ -8,7 +8,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import INTEGER, MATRIX, VECTOR, inline_kernel, kernel, window
 from surefoot.base.numerics.lu_factors import apply_lu, factor_lu
-from surefoot.base.numerics.tree_factor import factor_tree, half_solve_tree, solve_tree
+from surefoot.base.numerics.tree_factor import factor_tree, solve_tree
 from surefoot.contact import ROW_PENALTY, SOFT_ROWS, count_parts, solve_rows
 from surefoot.worlds.mujoco.stepper.rows import (
     CONTACTS,
@@ -53,6 +53,30 @@ SMALL = 1e-9
 
 
 @inline_kernel
+def _row_weight(
+    row: FloatArray, factors: FloatArray, rows: IntArray, starts: IntArray, columns: IntArray, y: FloatArray
+) -> float:
+    """Return J M⁻¹ Jᵀ of a row (n,), over the trees between its first and last entry; y (n,) is room."""
+    low, high = 0, row.size - 1
+    while high >= 0 and row[high] == 0.0:
+        high -= 1
+    while low < high and row[low] == 0.0:
+        low += 1
+    if high < 0:
+        return 0.0
+    low = columns[starts[low]]  # the root of its tree
+    for j in range(low, high + 1):
+        y[j] = row[j]
+    size = 0.0
+    for j in range(high, low - 1, -1):  # as `half_solve_tree`
+        if y[j] != 0.0:
+            for a in range(starts[j], starts[j] + rows[j] - 1):
+                y[columns[a]] -= factors[a] * y[j]
+            size += y[j] * y[j] / factors[starts[j] + rows[j] - 1]
+    return size
+
+
+@inline_kernel
 def _weights(
     J: FloatArray, table: IntArray, numbers: FloatArray, factors: FloatArray, rows: IntArray,
     starts: IntArray, columns: IntArray,
@@ -63,12 +87,7 @@ def _weights(
     for k in range(table.shape[0]):
         first = others = total = 0.0
         for a in range(table[k, 1]):
-            for j in range(n):
-                y[j] = J[table[k, 2] + a, j]
-            half_solve_tree(factors, rows, starts, columns, y)
-            size = 0.0
-            for j in range(n):
-                size += y[j] * y[j] / factors[starts[j] + rows[j] - 1]
+            size = _row_weight(J[table[k, 2] + a], factors, rows, starts, columns, y)
             total += size
             if a == 0:
                 first = size
