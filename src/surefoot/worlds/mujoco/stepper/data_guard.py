@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from functools import wraps
+from functools import update_wrapper
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from surefoot.base.errors import ProblemError
 
 P = ParamSpec("P")
+Stepper = TypeVar("Stepper", bound=Any)
+Result = TypeVar("Result")
 
 
 class DataGuard:
@@ -83,23 +85,20 @@ def foreign_rows() -> ProblemError:
     )
 
 
-Stepper = TypeVar("Stepper", bound=Any)
-
-
 def in_turn(
-    method: Callable[Concatenate[Stepper, Any, P], None],
-) -> Callable[Concatenate[Stepper, Any, P], None]:
+    method: Callable[Concatenate[Stepper, Any, P], Result],
+) -> Callable[Concatenate[Stepper, Any, P], Result]:
     """Return a stepper's method of a data that looks at it first, and refuses a second caller at once."""
 
-    @wraps(method)
-    def guarded(self: Stepper, data: Any, *args: P.args, **kwargs: P.kwargs) -> None:
+    def guarded(self: Stepper, data: Any, *args: P.args, **kwargs: P.kwargs) -> Result:
         guard: DataGuard = self._guard
         guard.take_turn()
         try:
             if guard.is_new(data):
                 self._bind(data)
-            method(self, data, *args, **kwargs)
+            return method(self, data, *args, **kwargs)
         finally:
             guard.end_turn()
 
+    update_wrapper(guarded, method)
     return guarded

@@ -76,7 +76,7 @@ class PrivateModel:
 
     def __init__(self, mujoco: Any, original: Any, reach: float) -> None:
         refuse(mujoco, original)
-        self._original, self._mujoco = original, mujoco
+        self.original, self._mujoco = original, mujoco
         self.reach = reach
         self.pyramids = int(original.opt.cone) == int(mujoco.mjtCone.mjCONE_PYRAMIDAL)
         self.plain = self._copy()
@@ -102,7 +102,7 @@ class PrivateModel:
 
     def _copy(self) -> Any:
         """Return a copy with elliptic cones and dense rows."""
-        mujoco, model = self._mujoco, copy.copy(self._original)
+        mujoco, model = self._mujoco, copy.copy(self.original)
         model.opt.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
         model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
         model.opt.solver = mujoco.mjtSolver.mjSOL_NEWTON
@@ -139,7 +139,7 @@ class PrivateModel:
 
     def _take_options(self) -> None:
         """Take over the options of the original."""
-        refuse(self._mujoco, self._original)
+        refuse(self._mujoco, self.original)
         self._known, option = self._options(), self._option
         for model in self._both:
             own = model.opt

@@ -191,7 +191,7 @@ def _push(
 
 
 @inline_kernel
-def _find_places(words: IntArray, fixed: IntArray, arena: IntArray) -> IntArray:
+def find_places(words: IntArray, fixed: IntArray, arena: IntArray) -> IntArray:
     """Return where the arena's arrays begin now, in entries of their kinds; fill the data's into `fixed`.
 
     All are looked up anew in every step: a data that was made again, copied into or grown has others.
@@ -276,7 +276,7 @@ def exact_stage(
         (nv,) velocity of the positions alone [m/s, rad/s].
     """
     nv, h = int(fixed[NV]), settings[STEP]
-    at = _find_places(words, fixed, arena)
+    at = find_places(words, fixed, arena)
     if not _hers(floats, halves, at, layout, count):
         return FOREIGN
     qvel = window(floats, fixed[QVEL], 1, nv)[0]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
-from typing import Any, NamedTuple, TypedDict
+from typing import Any
 
 import numpy as np
 
@@ -15,8 +15,10 @@ from surefoot.base.kernels import entry_point
 from surefoot.contact import Status
 from surefoot.worlds.mujoco.spec import import_mujoco
 from surefoot.worlds.mujoco.stepper import addresses
+from surefoot.worlds.mujoco.stepper.certificate import StepCertificate
 from surefoot.worlds.mujoco.stepper.data_guard import DataGuard, foreign_rows, in_turn
 from surefoot.worlds.mujoco.stepper.implicit import ImplicitInertia
+from surefoot.worlds.mujoco.stepper.instant import Evaluation
 from surefoot.worlds.mujoco.stepper.private_model import PrivateModel
 from surefoot.worlds.mujoco.stepper.rows import SLOWEST, START, STEP
 from surefoot.worlds.mujoco.stepper.runge_kutta import finish_runge_kutta
@@ -31,6 +33,7 @@ from surefoot.worlds.mujoco.stepper.stage import (
     VIOLATION,
     exact_stage,
 )
+from surefoot.worlds.mujoco.stepper.step_derivative import MujocoDerivative, differentiate
 
 SHARE = 0.2
 """Share of a penetration, and of an equality's error, that is undone in a step [-]: beside the motion, so
@@ -42,43 +45,6 @@ ACCEPTED = 1e-6
 """Velocity error over the speed of approach up to which a step is kept [-]; see `StepCertificate`."""
 RESTS = 4.0
 """Steps of gravity's own speed below which a contact does not bounce: it rests."""
-
-
-class StepperOptions(TypedDict, total=False):
-    """Options of `MujocoStepper` that others hand on."""
-
-    restitution: float
-    share: float
-    soft: str | Sequence[str]
-    tol: float
-
-
-class StepCertificate(NamedTuple):
-    """What was solved in a step.
-
-    Attributes
-    ----------
-    status
-        SOLVED to the tolerance, ALMOST to 1e-6, STALLED: the step's constraints are MuJoCo's soft ones.
-    velocity_error
-        Largest over the connected parts: error of the laws over the speed at which rows would move without
-        impulses [-].
-    speed
-        The largest such speed [m/s].
-    blocks
-        Contacts, limits, equalities and dry joints.
-    iterations
-        Newton steps, all parts together.
-    violation
-        Largest penetration and error of an equality at the step's start [m, rad].
-    """
-
-    status: Status
-    velocity_error: float
-    speed: float
-    blocks: int
-    iterations: int
-    violation: float
 
 
 class MujocoStepper:
@@ -154,6 +120,7 @@ class MujocoStepper:
         self._memory = _room(64)
         self._guard = DataGuard(mujoco, self.model)
         self._ready: Any = None
+        self._twin: MujocoStepper | None = None
         self._implicit: ImplicitInertia | None = None
         self._arena = addresses.arena_words(mujoco)
         self._layout = addresses.contact_places(mujoco)
@@ -273,6 +240,25 @@ class MujocoStepper:
         self._constrain(data)
         data.flg_rnepost = False
         mujoco.mj_sensorAcc(model, data)
+
+    @in_turn
+    def derivative(self, data: Any) -> MujocoDerivative:
+        """Return the derivatives of the step of a data, which stays as it is; see `MujocoDerivative`.
+
+        Raises
+        ------
+        ProblemError
+            For RK4 and soft contacts, for a step that is not solved, and where contacts come and go.
+        """
+        if self._option.integrator == _RK4 or self._soft.size:
+            raise ProblemError("derivative knows no RK4 and no soft contacts")
+        if self._twin is None:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                self._twin = MujocoStepper(
+                    self._private.original, restitution=self.restitution, share=self.share, tol=1e-10
+                )
+        return differentiate(Evaluation(self._mujoco, self._twin, data))
 
     def _stage_of(self, data: Any, velocity: FloatArray) -> None:
         """Evaluate a stage of RK4 at the data's state; the law is that of a step from a velocity (nv,)."""
