@@ -19,7 +19,7 @@ ON_CONE = 1e-9
 
 
 @inline_kernel
-def carry_on(table: IntArray, numbers: FloatArray, x: FloatArray, p: FloatArray) -> None:
+def extend_transfer(table: IntArray, numbers: FloatArray, x: FloatArray, p: FloatArray) -> None:
     """Move impulses p (m,) on along p - x, to where the first block that holds lets go."""
     far = FAR
     for k in range(table.shape[0]):

@@ -34,7 +34,7 @@ from surefoot.contact.rows.linearised import (
     take_impulses,
     worst_error,
 )
-from surefoot.contact.rows.load_transfer import carry_on
+from surefoot.contact.rows.load_transfer import extend_transfer
 
 PATIENCE, FULL, SEARCHES, FLAT = 12, 2, 12, 0.1
 """Newton steps for one λ where who sticks and who slides does not settle, and those of them that are whole at
@@ -192,7 +192,7 @@ def _improve(
             worse = 0
         if flat:
             worse = 0
-            carry_on(table, numbers, x, point[2])
+            extend_transfer(table, numbers, x, point[2])
         back, before = worse > GRACE, share
         take_impulses(table, best if back else point[2], x)
         if worse == 0 and settled and not flat:

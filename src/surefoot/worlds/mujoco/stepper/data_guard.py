@@ -90,7 +90,7 @@ def in_turn(
 ) -> Callable[Concatenate[Stepper, Any, P], Result]:
     """Return a stepper's method of a data that looks at it first, and refuses a second caller at once."""
 
-    def guarded(self: Stepper, data: Any, *args: P.args, **kwargs: P.kwargs) -> Result:
+    def look_first(self: Stepper, data: Any, *args: P.args, **kwargs: P.kwargs) -> Result:
         guard: DataGuard = self._guard
         guard.take_turn()
         try:
@@ -100,5 +100,5 @@ def in_turn(
         finally:
             guard.end_turn()
 
-    update_wrapper(guarded, method)
-    return guarded
+    update_wrapper(look_first, method)
+    return look_first
