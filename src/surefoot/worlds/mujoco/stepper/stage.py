@@ -192,7 +192,7 @@ def _push(
 
 @inline_kernel
 def find_places(words: IntArray, fixed: IntArray, arena: IntArray) -> IntArray:
-    """Return where the arena's arrays begin now, in entries of their kinds; fill the data's into `fixed`.
+    """Return where the arena's arrays begin now (11,), in entries of their kinds; fill the data's in `fixed`.
 
     All are looked up anew in every step: a data that was made again, copied into or grown has others.
     """
