@@ -21,7 +21,7 @@ SHORT = [("pd quadruped", "weak actuator"), ("hopper", "delayed control"), ("pd 
 """Failures that come within a second or two of the run."""
 
 
-@pytest.mark.parametrize("loop", (*LOOPS, *OTHERS), ids=lambda loop: loop.name)
+@pytest.mark.parametrize("loop", [*LOOPS, *OTHERS], ids=lambda loop: loop.name)
 def test_a_loop_without_a_fault_attains_its_task(loop: Loop) -> None:
     run = loop.lawful(0)
     assert run.failure == ""

@@ -29,15 +29,14 @@ from .laws.soft.soft_law import SoftLaw as SoftLaw
 from .laws.soft.spring_damper import SpringDamper as SpringDamper
 from .problem import contact_sets as contact_sets
 from .problem.problem import ContactProblem as ContactProblem
+from .rows.attempts import solve_rows as solve_rows
 from .rows.blocks import CONE_ROWS as CONE_ROWS
 from .rows.blocks import DRY_ROW as DRY_ROW
 from .rows.blocks import HELD_ROW as HELD_ROW
 from .rows.blocks import SOFT_ROWS as SOFT_ROWS
 from .rows.blocks import STOP_ROW as STOP_ROW
 from .rows.blocks import count_parts as count_parts
-from .rows.newton import ROW_ATTEMPTS as ROW_ATTEMPTS
 from .rows.newton import ROW_PENALTY as ROW_PENALTY
-from .rows.newton import solve_part as solve_part
 from .sets.kinds import Planar as Planar
 from .solution import ContactSolution as ContactSolution
 from .solution import Status as Status

@@ -14,11 +14,15 @@ from surefoot.contact.rows.blocks import (
     DRY_ROW,
     FIRST,
     HELD_ROW,
+    HIGH,
     KIND,
     LIMIT,
+    LOW,
     MU,
+    OPEN,
     SLIDE,
     SOFT_ROWS,
+    STICK,
     STIFF,
     STIFF_T,
     WEIGHT,
@@ -99,6 +103,29 @@ def _add_block(
 
 
 @inline_kernel
+def _add_stuck(
+    J: FloatArray,
+    columns: IntArray,
+    k: int,
+    first: int,
+    dim: int,
+    stiff: float,
+    stiff_t: float,
+    H: FloatArray,
+) -> None:
+    """Add J_kᵀ D J_k to H for a block that holds: D is diagonal."""
+    few = columns[k, 0]
+    for a in range(dim):
+        share = stiff if a == 0 else stiff_t
+        for d in range(1, few + 1):
+            value = share * J[first + a, columns[k, d]]
+            if value != 0.0:
+                row = columns[k, d]
+                for c in range(1, few + 1):
+                    H[row, columns[k, c]] += value * J[first + a, columns[k, c]]
+
+
+@inline_kernel
 def evaluate_blocks(
     table: IntArray, numbers: FloatArray, share: float, x: FloatArray, u: FloatArray, p: FloatArray,
     modes: IntArray,
@@ -154,6 +181,12 @@ def assemble_matrix(
         for j in range(n):
             H[i, j] = M[i, j]
     for k in range(table.shape[0]):
+        if modes[k] in (OPEN, LOW, HIGH):
+            continue
+        if modes[k] == STICK and table[k, KIND] != SOFT_ROWS:
+            stiff, stiff_t = share * numbers[k, STIFF], share * numbers[k, STIFF_T]
+            _add_stuck(J, columns, k, table[k, FIRST], table[k, DIM], stiff, stiff_t, H)
+            continue
         slope(
             table[k, KIND], table[k, DIM], modes[k], numbers[k, MU], share * numbers[k, STIFF],
             share * numbers[k, STIFF_T], x, u, table[k, FIRST], D,

@@ -34,10 +34,8 @@ from surefoot.contact.rows.linearised import (
     take_impulses,
     worst_error,
 )
+from surefoot.contact.rows.load_transfer import extend_transfer
 
-MOST = 60
-"""Newton steps of one attempt: heaps of boxes that need more need another start (tuned on the scenes of
-tests/contact/rows)."""
 PATIENCE, FULL, SEARCHES, FLAT = 12, 2, 12, 0.1
 """Newton steps for one λ where who sticks and who slides does not settle, and those of them that are whole at
 any rate; evaluations along a later one, and the share of the first slope at which they end."""
@@ -47,10 +45,8 @@ ROW_PENALTY, TOP, SOFTEST = 1e3, 1e2, 1e-3
 UP, DOWN, GRACE = 10.0, 100.0, 3
 """Factors of the share after a round that was better, and after the rounds without a better error that are
 let go on."""
-ROW_ATTEMPTS = ((1e-3, True), (1.0, False), (0.1, False), (1e-3, False))
-"""First share, and whether from the impulses at hand; else from none: what one start misses, another
-finds."""
-
+EVEN = 0.3
+"""Change of the error below which a round has but passed load between redundant rows [-]."""
 
 System = tuple[FloatArray, FloatArray, FloatArray, FloatArray, IntArray, IntArray, FloatArray]
 """M (n, n), v_free (n,), J (m, n), b (m,), the columns that each block moves, and the blocks' tables."""
@@ -169,34 +165,39 @@ def _scale(system: System, u: FloatArray) -> float:
 
 @inline_kernel
 def _improve(
-    system: System, share: float, bound: float, point: Point, x: FloatArray, best: FloatArray,
+    system: System, share: float, bound: float, most: int, point: Point, x: FloatArray, best: FloatArray,
     factors: FloatArray, order: IntArray, rooms: FloatArray, u: FloatArray,
 ) -> tuple[int, float]:  # fmt: skip
     """Find impulses from x (m,) with an error up to a bound; return Newton steps and the best's error."""
-    _, free, J, _, columns, table, _ = system
+    _, free, J, _, columns, table, numbers = system
     n, step = free.size, rooms[0]
     H, own_order = np.empty((n, n)), np.empty(n, np.int64)
     fill_motion(J, columns, table, x, factors, order, free, step, point[0], False)
     _look(system, share, x, point)
     least, done, worse, known = np.inf, 0, 0, False
-    while done < MOST:
+    while done < most:
         used, settled, known = _settle(system, share, x, point, known, H, own_order, step, rooms[1])
         if used == 0:
             break
         done += used
         error = _judge(system, point, factors, order, step, rooms[2], u)
         worse += 1
+        flat = settled and (1.0 - EVEN) * least < error < (1.0 + EVEN) * least
         if error < least:
-            least, worse = error, 0
+            least = error
             for i in range(best.size):
                 best[i] = point[2][i]
             if least <= bound:
                 break
+            worse = 0
+        if flat:
+            worse = 0
+            extend_transfer(table, numbers, x, point[2])
         back, before = worse > GRACE, share
         take_impulses(table, best if back else point[2], x)
-        if worse == 0 and settled:
+        if worse == 0 and settled and not flat:
             share = min(share * UP, TOP)
-        elif back or not settled:
+        elif back or flat or not settled:
             share = max(share / DOWN, SOFTEST)
         if back:
             worse = 0
@@ -208,7 +209,7 @@ def _improve(
 @kernel
 def solve_part(
     M: FloatArray, v: FloatArray, J: FloatArray, b: FloatArray, table: IntArray, numbers: FloatArray,
-    share: float, tol: float, forces: FloatArray,
+    share: float, tol: float, most: int, forces: FloatArray,
 ) -> tuple[int, float, float]:  # fmt: skip
     """Solve one connected part; return the Newton steps, the velocity error over the scale, and that [m/s].
 
@@ -226,6 +227,8 @@ def solve_part(
         Of the penalties that is used first [-].
     tol
         Velocity error over the scale to reach [-].
+    most
+        Newton steps at most.
     forces
         (m,) impulses to start from (of soft blocks: their softness R); the best that were found [N s].
     """
@@ -248,7 +251,9 @@ def solve_part(
     for i in range(m):
         x[i] = best[i] = forces[i]
     point = (v, u, p, modes)
-    done, least = _improve(system, share, tol * scale, point, x, best, factors, order, rooms, np.empty(m))
+    done, least = _improve(
+        system, share, tol * scale, most, point, x, best, factors, order, rooms, np.empty(m)
+    )
     for i in range(m):
         forces[i] = best[i]
     fill_motion(J, columns, table, best, factors, order, free, rooms[0], v, least < np.inf)

@@ -36,9 +36,11 @@ def test_words_of_the_arena_are_the_fields_of_any_data() -> None:
         kept.append([np.full(3, _address(data.contact.dist)), data])
         here = (ctypes.c_int64 * (int(words.max()) + 1)).from_address(data._address)
         found = [here[int(w)] for w in words]
-        assert found[:-1] == [_address(getattr(data, name)) for name in addresses.ARENA], turn
+        count = len(addresses.ARENA)
+        assert found[:count] == [_address(getattr(data, name)) for name in addresses.ARENA], turn
+        assert found[count + 1 :] == [_address(getattr(data, name)) for name in addresses.OF_DATA], turn
         if data.ncon:
-            assert found[-1] == _address(data.contact.dist)
+            assert found[count] == _address(data.contact.dist)
         if turn % 7 == 0:
             kept.clear()
             gc.collect()

@@ -87,7 +87,7 @@ class StepLaws:
         self._done: list[Any] = []
         self._channels: tuple[str, ...] = ()
         self._reports: list[BatchReport] = []
-        self._own: tuple[Any, Any, Any] | None = None
+        self._own: tuple[str, Any, Any] | None = None
 
     def __call__(self, forces: Any, gaps: Any = None, velocities: Any = None) -> StepCost:
         """Return the cost of a step, and keep the step.
@@ -147,10 +147,10 @@ class StepLaws:
 
     def _constants(self, like: Any) -> tuple[Any, Any]:
         """Return friction and weights in the framework, on the device and in the precision of an array."""
-        xp = array_module(like)
-        if self._own is None or self._own[0] is not xp:
+        framework = array_module(like).__name__
+        if self._own is None or self._own[0] != framework:
             mu = self.mu[:, None] if self.mu.ndim == 1 else self.mu
-            self._own = xp, _as(like, mu), _as(like, self.mass * GRAVITY)
+            self._own = framework, _as(like, mu), _as(like, self.mass * GRAVITY)
         return self._own[1], self._own[2]
 
     def _keep(self, *arrays: Any) -> None:

@@ -26,13 +26,15 @@ ARENA = (
     "efc_R", "efc_force",
 )  # fmt: skip
 """Arrays of constraints that are read or written."""
+OF_DATA = ("qvel", "qfrc_smooth", "qacc_smooth", "qfrc_constraint", "qacc", "M")
+"""Other arrays of mjData that are."""
 CONTACT_FIELDS = ("dist", "includemargin", "friction", "dim", "geom", "exclude", "efc_address")
 """Fields of a contact that are."""
 
 
 @cache
 def arena_words(mujoco: Any) -> IntArray:
-    """Return at which words (11,) of mjData the addresses of `ARENA` stand, then that of the contacts.
+    """Return at which words (17,) of mjData the addresses of `ARENA`, the contacts and `OF_DATA` stand.
 
     The places are counted in MuJoCo's own list of its fields, from an array that lies in the struct itself:
     a search for the addresses would read past the struct's end, where copies of them may lie.
@@ -46,14 +48,15 @@ def arena_words(mujoco: Any) -> IntArray:
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     # behind the two numbers of the energies every field is an address
-    names = (*ARENA, "contact")
+    names = (*ARENA, "contact", *OF_DATA)
     offsets = field_offsets(mujoco, "mjData", "energy", "efc_force")
     if not all(name in offsets for name in names):
         raise unknown_layout(mujoco)
     first = (address_of(data.energy) - data._address) // 8
     found: IntArray = first + np.array([offsets[name] // 8 for name in names])
     words = np.ctypeslib.as_array((ctypes.c_int64 * int(found.max() + 1)).from_address(data._address))
-    arrays = [*(getattr(data, name) for name in ARENA), data.contact.dist]
+    arrays = [getattr(data, name) for name in (*ARENA, *OF_DATA)]
+    arrays.insert(len(ARENA), data.contact.dist)
     if any(words[at] != address_of(array) for at, array in zip(found, arrays, strict=True)):
         raise unknown_layout(mujoco)
     return found

@@ -11,7 +11,8 @@ from typing import Any, Unpack
 from surefoot.base.errors import ProblemError
 from surefoot.worlds.mujoco.replaced_functions import ReplacedFunctions
 from surefoot.worlds.mujoco.spec import import_mujoco
-from surefoot.worlds.mujoco.stepper.stepper import MujocoStepper, StepperOptions
+from surefoot.worlds.mujoco.stepper.certificate import StepperOptions
+from surefoot.worlds.mujoco.stepper.stepper import MujocoStepper
 
 
 class ExactContact:

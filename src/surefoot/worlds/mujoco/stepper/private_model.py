@@ -13,7 +13,7 @@ from typing import Any
 import numba
 import numpy as np
 
-from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.errors import ProblemError
 from surefoot.base.kernels import entry_point, kernel
 from surefoot.worlds.mujoco.memory_places import all_memory, place_of
@@ -89,6 +89,12 @@ def soft_geoms(model: Any, patterns: Sequence[str]) -> FloatArray:
     return np.array([float(any(fnmatchcase(name, p) for p in patterns)) for name in names])
 
 
+def leave_out(contact: Any, which: BoolArray) -> None:
+    """Leave contacts out that are apart, of some (c,): without rows, of which MuJoCo leaves old numbers."""
+    apart = which & (contact.dist >= contact.includemargin) & (contact.exclude == 0)
+    contact.exclude[apart], contact.efc_address[apart] = 1, -1
+
+
 class PrivateModel:
     """A copy of a model as the stepper needs it, which follows the original.
 
@@ -104,7 +110,7 @@ class PrivateModel:
 
     def __init__(self, mujoco: Any, original: Any, reach: float) -> None:
         refuse(mujoco, original)
-        self._original, self._mujoco = original, mujoco
+        self.original, self._mujoco = original, mujoco
         self.reach = reach
         self.pyramids = int(original.opt.cone) == int(mujoco.mjtCone.mjCONE_PYRAMIDAL)
         self.plain = self._copy()
@@ -134,7 +140,7 @@ class PrivateModel:
 
     def _copy(self) -> Any:
         """Return a copy with elliptic cones and dense rows."""
-        mujoco, model = self._mujoco, copy.copy(self._original)
+        mujoco, model = self._mujoco, copy.copy(self.original)
         model.opt.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
         model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
         model.opt.solver = mujoco.mjtSolver.mjSOL_NEWTON
@@ -173,6 +179,7 @@ class PrivateModel:
 
     def _take_options(self) -> None:
         """Take over the options of the original."""
+        refuse(self._mujoco, self.original)
         self._known, option = self._options(), self._option
         for model in self._both:
             own = model.opt
@@ -180,7 +187,6 @@ class PrivateModel:
                 setattr(own, name, getattr(option, name))
             own.disableflags = int(option.disableflags) | int(self._mujoco.mjtDisableBit.mjDSBL_ISLAND)
             own.enableflags = option.enableflags
-        refuse(self._mujoco, self._original)
 
     def damping(self, qvel: FloatArray) -> FloatArray:
         """Return what Euler's method takes implicitly (nv,) [N s/m, N m s/rad]; (0,) for none."""

@@ -8,16 +8,22 @@ import numpy as np
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import INTEGER, MATRIX, VECTOR, inline_kernel, kernel, window
 from surefoot.base.numerics.lu_factors import apply_lu, factor_lu
-from surefoot.base.numerics.tree_factor import factor_tree, half_solve_tree, solve_tree
-from surefoot.contact import ROW_ATTEMPTS, ROW_PENALTY, SOFT_ROWS, count_parts, solve_part
+from surefoot.base.numerics.tree_factor import factor_tree, solve_tree
+from surefoot.contact import ROW_PENALTY, SOFT_ROWS, count_parts, solve_rows
 from surefoot.worlds.mujoco.stepper.rows import (
+    CONTACTS,
+    DIMENSION,
+    ELLIPTIC,
+    EQUALITY,
     FIRST_BYTE,
     FORCE,
     ID,
+    PYRAMIDAL,
     SHARE,
     SOFTNESS,
     START,
     STEP,
+    STRIDE,
     TOL,
     TYPE,
     dense_inertia,
@@ -28,7 +34,7 @@ from surefoot.worlds.mujoco.stepper.rows import (
 )
 
 QVEL, QFRC_SMOOTH, QACC_SMOOTH, QFRC_CONSTRAINT, QACC, MASS, ROWS, STARTS, COLUMNS, TREES = range(10)
-"""Places of arrays that do not move."""
+"""Places of arrays: `addresses.OF_DATA`, filled by the stage, and those of the model, which do not move."""
 STRUCT, NV, NC, NTREE = range(10, 14)
 """After them: mjData itself, and sizes."""
 WORDS, HALVES, TABLE = numba.int64[::1], numba.int32[::1], numba.int64[:, ::1]
@@ -39,9 +45,35 @@ STAGE_TYPES = (
 ERROR, SPEED, STEPS, BLOCKS, UNSOLVED, VIOLATION, _, LAST = range(8)
 """What the stage tells: velocity error over the speed, the speed [m/s], Newton steps, blocks, connected parts
 that are not solved, and the largest violation of a position [m, rad]."""
+FOREIGN = -2
+"""Answer to rows that another model has made."""
 SMALL = 1e-9
 """Violation that is left alone [m, rad], and the share of the largest weight that every row's counts at least
 [-]: a row that the mechanism hardly moves must not be given a penalty without bounds."""
+
+
+@inline_kernel
+def _row_weight(
+    row: FloatArray, factors: FloatArray, rows: IntArray, starts: IntArray, columns: IntArray, y: FloatArray
+) -> float:
+    """Return J M⁻¹ Jᵀ of a row (n,), over the trees between its first and last entry; y (n,) is room."""
+    low, high = 0, row.size - 1
+    while high >= 0 and row[high] == 0.0:
+        high -= 1
+    while low < high and row[low] == 0.0:
+        low += 1
+    if high < 0:
+        return 0.0
+    low = columns[starts[low]]  # the root of its tree
+    for j in range(low, high + 1):
+        y[j] = row[j]
+    size = 0.0
+    for j in range(high, low - 1, -1):  # as `half_solve_tree`
+        if y[j] != 0.0:
+            for a in range(starts[j], starts[j] + rows[j] - 1):
+                y[columns[a]] -= factors[a] * y[j]
+            size += y[j] * y[j] / factors[starts[j] + rows[j] - 1]
+    return size
 
 
 @inline_kernel
@@ -55,12 +87,7 @@ def _weights(
     for k in range(table.shape[0]):
         first = others = total = 0.0
         for a in range(table[k, 1]):
-            for j in range(n):
-                y[j] = J[table[k, 2] + a, j]
-            half_solve_tree(factors, rows, starts, columns, y)
-            size = 0.0
-            for j in range(n):
-                size += y[j] * y[j] / factors[starts[j] + rows[j] - 1]
+            size = _row_weight(J[table[k, 2] + a], factors, rows, starts, columns, y)
             total += size
             if a == 0:
                 first = size
@@ -71,36 +98,6 @@ def _weights(
     for k in range(table.shape[0]):
         numbers[k, 3] = ROW_PENALTY / max(numbers[k, 3], SMALL * top)
         numbers[k, 4] = ROW_PENALTY / max(numbers[k, 4], SMALL * top)
-
-
-@inline_kernel
-def _try_starts(
-    M: FloatArray, v: FloatArray, J: FloatArray, b: FloatArray, table: IntArray, numbers: FloatArray,
-    tol: float, x: FloatArray, told: FloatArray,
-) -> None:  # fmt: skip
-    """Solve one part from one start after another; x (rows,) impulses and v (n,) velocities are replaced."""
-    least, speed, start, free = np.inf, 0.0, x.copy(), v.copy()
-    for i in range(x.size):
-        x[i] = 0.0
-    for attempt in ROW_ATTEMPTS:
-        trial, moved = start.copy(), free.copy()
-        if not attempt[1]:
-            for k in range(table.shape[0]):
-                if table[k, 0] != SOFT_ROWS:
-                    for i in range(table[k, 2], table[k, 2] + table[k, 1]):
-                        trial[i] = 0.0
-        used, error, speed = solve_part(M, moved, J, b, table, numbers, attempt[0], tol, trial)
-        told[STEPS] += used
-        if error < least:
-            least = error
-            for i in range(x.size):
-                x[i] = trial[i]
-            for i in range(v.size):
-                v[i] = moved[i]
-        if least <= tol:
-            break
-    told[ERROR], told[SPEED] = max(told[ERROR], least), max(told[SPEED], speed)
-    told[UNSOLVED] += 0.0 if least <= tol else 1.0
 
 
 @inline_kernel
@@ -142,7 +139,10 @@ def _solve_parts(
                 for j in range(n):
                     own_J[at, j] = J[i, dofs[j]]
                 at += 1
-        _try_starts(own_M, v, own_J, own_b, own_table, own_numbers, tol, own_x, told)
+        used, error, speed = solve_rows(own_M, v, own_J, own_b, own_table, own_numbers, tol, own_x)
+        told[STEPS] += used
+        told[ERROR], told[SPEED] = max(told[ERROR], error), max(told[SPEED], speed)
+        told[UNSOLVED] += 0.0 if error <= tol else 1.0
         for i in range(rows):
             x[source[i]] = own_x[i]
         for i in range(n):
@@ -191,13 +191,35 @@ def _push(
 
 
 @inline_kernel
-def _find_places(words: IntArray, fixed: IntArray, arena: IntArray) -> IntArray:
-    """Return where the arena's arrays begin now, in entries of their kinds."""
-    at = np.empty(arena.size, np.int64)
-    for a in range(arena.size):
+def find_places(words: IntArray, fixed: IntArray, arena: IntArray) -> IntArray:
+    """Return where the arena's arrays begin now (11,), in entries of their kinds; fill the data's in `fixed`.
+
+    All are looked up anew in every step: a data that was made again, copied into or grown has others.
+    """
+    at = np.empty(CONTACTS + 1, np.int64)
+    for a in range(at.size):
         size = 4 if a in (TYPE, ID) else 8
         at[a] = (words[fixed[STRUCT] + arena[a]] - FIRST_BYTE) // size
+    for a in range(arena.size - at.size):
+        fixed[a] = (words[fixed[STRUCT] + arena[at.size + a]] - FIRST_BYTE) // 8
     return at
+
+
+@inline_kernel
+def _hers(floats: FloatArray, halves: IntArray, at: IntArray, layout: IntArray, count: int) -> bool:
+    """Return whether `count` rows are as the stepper's model makes them: no pyramids, contacts whole."""
+    i = 0
+    while i < count:
+        kind, dim = halves[at[TYPE] + i], 1
+        if kind < EQUALITY or kind > ELLIPTIC or kind == PYRAMIDAL:
+            return False
+        if kind == ELLIPTIC:
+            base = 8 * at[CONTACTS] + layout[STRIDE] * halves[at[ID] + i]
+            dim = halves[(base + layout[DIMENSION]) // 4]
+            if dim < 3 or i + dim > count:
+                return False
+        i += dim
+    return True
 
 
 @inline_kernel
@@ -230,6 +252,8 @@ def exact_stage(
 ) -> int:  # fmt: skip
     """Fill MuJoCo's constraint forces, accelerations and the push; return the connected parts not solved.
 
+    -1 is an inertia without factors, `FOREIGN` rows that the stepper's model has not made.
+
     Parameters
     ----------
     floats, words, halves
@@ -252,8 +276,10 @@ def exact_stage(
         (nv,) velocity of the positions alone [m/s, rad/s].
     """
     nv, h = int(fixed[NV]), settings[STEP]
+    at = find_places(words, fixed, arena)
+    if not _hers(floats, halves, at, layout, count):
+        return FOREIGN
     qvel = window(floats, fixed[QVEL], 1, nv)[0]
-    at = _find_places(words, fixed, arena)
     rows, starts, tree_of = np.empty(nv, np.int64), np.empty(nv, np.int64), np.empty(nv, np.int64)
     for i in range(nv):
         rows[i], starts[i] = halves[fixed[ROWS] + i], halves[fixed[STARTS] + i]

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from typing import Any, NamedTuple, TypedDict
+from typing import Any
 
 import numpy as np
 
-from surefoot.base.arrays import BoolArray, FloatArray, IntArray, real_number
+from surefoot.base.arrays import FloatArray, IntArray, real_number
 from surefoot.base.errors import ProblemError
 from surefoot.base.kernels import entry_point
 from surefoot.base.memory import Remade
@@ -16,14 +16,18 @@ from surefoot.contact import Status
 from surefoot.worlds.mujoco.memory_places import FIRST_BYTE, all_memory, place_of
 from surefoot.worlds.mujoco.spec import import_mujoco
 from surefoot.worlds.mujoco.stepper import addresses
+from surefoot.worlds.mujoco.stepper.certificate import StepCertificate
+from surefoot.worlds.mujoco.stepper.data_guard import DataGuard, foreign_rows, in_turn
 from surefoot.worlds.mujoco.stepper.implicit import ImplicitInertia
 from surefoot.worlds.mujoco.stepper.impulse_memory import LEAST_ROOM, Impulses, memory_room, read_memory
-from surefoot.worlds.mujoco.stepper.private_model import TOUCHING, PrivateModel, soft_geoms
+from surefoot.worlds.mujoco.stepper.instant import Evaluation
+from surefoot.worlds.mujoco.stepper.private_model import TOUCHING, PrivateModel, leave_out, soft_geoms
 from surefoot.worlds.mujoco.stepper.rows import SLOWEST, START, STEP
 from surefoot.worlds.mujoco.stepper.runge_kutta import finish_runge_kutta
 from surefoot.worlds.mujoco.stepper.stage import (
     BLOCKS,
     ERROR,
+    FOREIGN,
     LAST,
     SPEED,
     STAGE_TYPES,
@@ -31,6 +35,7 @@ from surefoot.worlds.mujoco.stepper.stage import (
     VIOLATION,
     exact_stage,
 )
+from surefoot.worlds.mujoco.stepper.step_derivative import MujocoDerivative, differentiate
 from surefoot.worlds.mujoco.stepper.step_problem import RESTS, ProblemStepper
 
 SHARE = 0.2
@@ -43,54 +48,15 @@ ACCEPTED = 1e-6
 """Velocity error over the speed of approach up to which a step is kept [-]; see `StepCertificate`."""
 
 
-class StepperOptions(TypedDict, total=False):
-    """Options of `MujocoStepper` that others hand on."""
-
-    restitution: float
-    share: float
-    soft: str | Sequence[str]
-    tol: float
-
-
-class StepCertificate(NamedTuple):
-    """What was solved in a step.
-
-    Attributes
-    ----------
-    status
-        SOLVED to the tolerance, ALMOST to 1e-6, STALLED: the step's constraints are MuJoCo's soft ones.
-    velocity_error
-        Largest over the connected parts: error of the laws over the speed at which rows would move without
-        impulses [-].
-    speed
-        The largest such speed [m/s].
-    blocks
-        Contacts, limits, equalities and dry joints.
-    iterations
-        Newton steps, all parts together.
-    violation
-        Largest penetration and error of an equality at the step's start [m, rad].
-    """
-
-    status: Status
-    velocity_error: float
-    speed: float
-    blocks: int
-    iterations: int
-    violation: float
-
-
 class MujocoStepper(Remade, ProblemStepper):
     """`mujoco.mj_step` with Coulomb's law for contacts, and hard limits, equalities and dry friction.
 
     ``stepper.step(data)`` takes the place of ``mujoco.mj_step(model, data)``: collision, actuation, passive
     forces, sensors, callbacks and integrators (Euler, implicit, implicitfast, RK4) stay MuJoCo's, and forces,
     accelerations and sensors in the data are those of the exact laws. Limits and contacts are unilateral,
-    with
-    sliding, spinning and rolling friction in MuJoCo's elliptic cone (friction of condim 3, 4, 6, two sliding
-    coefficients); equalities allow no velocity; dry friction of joints is a bound. A violation of positions
-    is
-    undone beside the motion, see `share`.
+    with sliding, spinning and rolling friction in MuJoCo's elliptic cone (friction of condim 3, 4, 6, two
+    sliding coefficients); equalities allow no velocity; dry friction of joints is a bound. A violation of
+    positions is undone beside the motion, see `share`. A stepper is for one thread at a time.
 
     Parameters
     ----------
@@ -154,7 +120,10 @@ class MujocoStepper(Remade, ProblemStepper):
         self.steps = self.unsolved = 0
         self._told, self._push = np.zeros(8), np.zeros(model.nv)
         self._memory = memory_room(LEAST_ROOM)
-        self._data: Any = None
+        self._guard = DataGuard(mujoco, self.model)
+        self._ready: Any = None
+        self._bound = False
+        self._twin: MujocoStepper | None = None
         self._implicit: ImplicitInertia | None = None
         self._arena = addresses.arena_words(mujoco)
         self._layout = addresses.contact_places(mujoco)
@@ -199,8 +168,10 @@ class MujocoStepper(Remade, ProblemStepper):
     def resume(self, data: Any, impulses: Impulses) -> None:
         """Go on with a data from impulses that a stepper of such a model remembered, to the last bit."""
         memory = read_memory(impulses)
-        self._bind(data)
+        if self._guard.is_new(data):
+            self._bind(data)
         self._memory, self._told[LAST] = memory, len(impulses.keys)
+
     def _lasting(self) -> Any:
         """See `Remade`: the last step's impulses and what it told."""
         return self.steps, self.unsolved, self._status, self._told.copy(), [a.copy() for a in self._memory]
@@ -210,22 +181,38 @@ class MujocoStepper(Remade, ProblemStepper):
         self.steps, self.unsolved, self._status, self._told, memory = lasting
         self._memory = tuple(memory)
 
+    @in_turn
     def step(self, data: Any) -> None:
         """Advance the data by a time step, in place of ``mujoco.mj_step``."""
-        self.step_first(data)
-        self.step_second(data)
+        self._begin(data)
+        self._finish(data, halves=False)
 
+    @in_turn
     def step_first(self, data: Any) -> None:
         """Do what ``mujoco.mj_step1`` does."""
-        self._private.follow()
-        self._mujoco.mj_step1(self.model, data)
+        self._begin(data)
+        self._ready = data
 
+    @in_turn
     def step_second(self, data: Any, halves: bool = False) -> None:
         """Do what is left of the step after `step_first`, as ``mujoco.mj_step2`` does.
 
-        That takes Euler's method for RK4: `halves` says so.
+        That takes Euler's method for RK4: `halves` says so. Where `step_first` of this data was not the last
+        call it is done first: constraints that others make are not those that are solved.
         """
+        if self._ready is not data:
+            self._begin(data)
+        self._finish(data, halves)
+
+    def _begin(self, data: Any) -> None:
+        """Evaluate what depends on positions and velocities."""
+        self._private.follow()
+        self._mujoco.mj_step1(self.model, data)
+
+    def _finish(self, data: Any, halves: bool) -> None:
+        """Find forces and accelerations, and integrate."""
         mujoco, model = self._mujoco, self.model
+        self._ready = None
         mujoco.mj_fwdActuation(model, data)
         mujoco.mj_fwdAcceleration(model, data)
         self._constrain(data)
@@ -253,9 +240,11 @@ class MujocoStepper(Remade, ProblemStepper):
         """Do what ``mujoco.mj_step2`` does, Euler's method where the model asks for RK4."""
         self.step_second(data, halves=True)
 
+    @in_turn
     def forward(self, data: Any) -> None:
         """Do what ``mujoco.mj_forward`` does: forces and accelerations of the state, exact ones."""
         mujoco, model = self._mujoco, self.model
+        self._ready = None
         self._private.follow()
         mujoco.mj_fwdPosition(model, data)
         mujoco.mj_sensorPos(model, data)
@@ -275,6 +264,25 @@ class MujocoStepper(Remade, ProblemStepper):
         data.flg_rnepost = False
         mujoco.mj_sensorAcc(model, data)
 
+    @in_turn
+    def derivative(self, data: Any) -> MujocoDerivative:
+        """Return the derivatives of the step of a data, which stays as it is; see `MujocoDerivative`.
+
+        Raises
+        ------
+        ProblemError
+            For RK4 and soft contacts, for a step that is not solved, and where contacts come and go.
+        """
+        if self._option.integrator == _RK4 or self._soft.size:
+            raise ProblemError("derivative knows no RK4 and no soft contacts")
+        if self._twin is None:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                self._twin = MujocoStepper(
+                    self._private.original, restitution=self.restitution, share=self.share, tol=1e-10
+                )
+        return differentiate(Evaluation(self._mujoco, self._twin, data))
+
     def _stage_of(self, data: Any, velocity: FloatArray) -> None:
         """Evaluate a stage of RK4 at the data's state; the law is that of a step from a velocity (nv,)."""
         mujoco, model = self._mujoco, self.model
@@ -290,8 +298,6 @@ class MujocoStepper(Remade, ProblemStepper):
     def _constrain(self, data: Any, start: FloatArray | None = None) -> None:
         """Fill the constraint forces and the accelerations; see `exact_stage`."""
         mujoco, model = self._mujoco, self.model
-        if data is not self._data:
-            self._bind(data)
         if self._soft.size and data.nefc:
             self._harden(data)
         count = data.nefc
@@ -308,10 +314,14 @@ class MujocoStepper(Remade, ProblemStepper):
             settings[START] = place_of(start)
         if self.restitution:
             settings[SLOWEST] = RESTS * settings[STEP] * float(np.linalg.norm(self._option.gravity))
+        if data.nJ != count * model.nv:
+            raise foreign_rows()
         failed = self._call(
             *self._memory_views, self._fixed, self._arena, self._layout, count, settings, self._soft,
             *self._inertia(data), self._memory, self._told, self._push,
         )  # fmt: skip
+        if failed == FOREIGN:
+            raise foreign_rows()
         if failed:
             if failed > 0 and self._told[ERROR] <= ACCEPTED:
                 self._status = Status.ALMOST
@@ -334,24 +344,17 @@ class MujocoStepper(Remade, ProblemStepper):
         return self._no_damping, self._implicit.fill(data)
 
     def _bind(self, data: Any) -> None:
-        """Find where the arrays of a data lie."""
+        """Find where a data lies, and the model's arrays; the stage finds the data's own."""
         model = self.model
-        if not isinstance(data, self._mujoco.MjData) or (data.qpos.size, data.qvel.size) != (
-            model.nq,
-            model.nv,
-        ):
-            raise ProblemError("step takes the MjData of the stepper's model")
-        parts = [
-            data.qvel, data.qfrc_smooth, data.qacc_smooth, data.qfrc_constraint, data.qacc, data.M,
-            model.M_rownnz, model.M_rowadr, model.M_colind, model.dof_treeid,
-        ]  # fmt: skip
-        places = [place_of(part) for part in parts]
-        struct = (data._address - FIRST_BYTE) // 8
+        parts = [model.M_rownnz, model.M_rowadr, model.M_colind, model.dof_treeid]
+        places = [0] * len(addresses.OF_DATA) + [place_of(part) for part in parts]
+        struct = (self._guard.address - FIRST_BYTE) // 8
         sizes = [struct, model.nv, data.M.size, model.ntree]
         self._fixed: IntArray = np.array([*places, *sizes], dtype=np.int64)
-        if self._data is not None:  # the impulses of a copy are those of its first data
+        self._ready = None
+        if self._bound:  # the impulses of a copy are those of its first data
             self.reset()
-        self._data = data
+        self._bound = True
 
     def _harden(self, data: Any) -> None:
         """Let soft contacts be seen from where the model says, not from the reach on."""
@@ -359,7 +362,7 @@ class MujocoStepper(Remade, ProblemStepper):
         soft = self._soft[contact.geom].any(axis=1) if data.ncon else np.zeros(0, bool)
         if soft.any():
             contact.includemargin[soft] -= self._private.reach
-            _leave_out(contact, soft)
+            leave_out(contact, soft)
             self._mujoco.mj_makeConstraint(self.model, data)
             self._mujoco.mj_projectConstraint(self.model, data)
             self._mujoco.mj_referenceConstraint(self.model, data)
@@ -380,7 +383,7 @@ class MujocoStepper(Remade, ProblemStepper):
         if data.ncon:
             # what rests exactly is at a distance of rounding: MuJoCo would let it fall
             contact.includemargin[contact.dist >= contact.includemargin] += TOUCHING
-            _leave_out(contact, np.ones(data.ncon, dtype=bool))
+            leave_out(contact, np.ones(data.ncon, dtype=bool))
         mujoco.mj_makeConstraint(plain, data)
         mujoco.mj_projectConstraint(plain, data)
         mujoco.mj_referenceConstraint(plain, data)
@@ -389,9 +392,3 @@ class MujocoStepper(Remade, ProblemStepper):
 
 _EULER, _RK4 = 0, 1
 """MuJoCo's numbers of integrators."""
-
-
-def _leave_out(contact: Any, which: BoolArray) -> None:
-    """Leave contacts out that are apart, of some (c,): without rows, of which MuJoCo leaves old numbers."""
-    apart = which & (contact.dist >= contact.includemargin) & (contact.exclude == 0)
-    contact.exclude[apart], contact.efc_address[apart] = 1, -1

@@ -1,0 +1,65 @@
+"""What a step costs: MuJoCo's and the exact one in turn, CPU time of the thread."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+
+import surefoot as sf
+from benchmarks.mujoco_exact.scenes import hand, pinch, press, robot, stack, still
+
+QUICK, WHOLE = 400, 3000
+"""Steps of a price."""
+
+
+@dataclass(frozen=True)
+class Price:
+    """CPU time of a step [µs]: median and 99th percentile, exact and MuJoCo's, and what was not solved."""
+
+    name: str
+    exact: tuple[float, float]
+    soft: tuple[float, float]
+    unsolved: int
+    steps: int
+
+    @property
+    def allowed(self) -> float:
+        """The larger of three times MuJoCo's median and 30 µs more."""
+        return max(3.0 * self.soft[0], self.soft[0] + 30.0)
+
+
+def price(name: str, model: Any, control: Callable[[Any], None], steps: int, start: Any = None) -> Price:
+    """Return what both steps cost in the same loop."""
+    stepper = sf.MujocoStepper(model)
+    both = [mujoco.MjData(model) for _ in range(2)]
+    for data in both:
+        if start is not None:
+            data.qpos[:], data.qvel[:] = start.qpos, start.qvel
+    ways: tuple[Callable[[Any], None], ...] = (stepper.step, lambda data: mujoco.mj_step(model, data))
+    taken = np.zeros((2, steps))
+    for k in range(steps):
+        for way in range(2):
+            control(both[way])
+            begin = time.thread_time_ns()
+            ways[way](both[way])
+            taken[way, k] = time.thread_time_ns() - begin
+    late = taken[:, steps // 10 :] / 1e3
+    numbers = [(float(np.median(row)), float(np.percentile(row, 99))) for row in late]
+    return Price(name, numbers[0], numbers[1], stepper.unsolved, steps)
+
+
+def prices(quick: bool) -> Iterator[Price]:
+    """Yield the prices of all scenes."""
+    steps = QUICK if quick else WHOLE
+    for name in ("go2", "g1"):
+        model, start = robot(name)
+        yield price(f"{name} standing", model, still, steps, start)
+    yield price("pinch", pinch(), press, steps)
+    for count in (1, 3, 6, 10):
+        yield price(f"stack of {count}", stack(count), still, steps if count < 10 else steps // 4)
+    yield price("hand of 32 contacts", hand(), still, steps)

@@ -1,0 +1,55 @@
+"""One connected part from one start after another: what one start misses, another finds."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.base.kernels import kernel
+from surefoot.contact.rows.blocks import DIM, FIRST, KIND, SOFT_ROWS
+from surefoot.contact.rows.newton import solve_part
+from surefoot.contact.rows.sweeps import sweep_part
+
+AT_HAND = -1
+"""For the number of sweeps: from the impulses at hand, without any."""
+ROW_ATTEMPTS = (
+    (1e-3, AT_HAND, 60), (1.0, 10, 60), (1.0, 100, 60), (1.0, 0, 60), (0.1, 0, 60), (1e-3, 0, 60),
+)  # fmt: skip
+"""First share of the penalties, sweeps of Gauss-Seidel from no impulses (`AT_HAND`: see there), and Newton
+steps at most. Ten sweeps lead nearly all to the solution that a warm start misses: 254 of 257 steps of
+tumbling walkers on which it, and starts from none, had failed."""
+
+
+@kernel
+def solve_rows(
+    M: FloatArray, v: FloatArray, J: FloatArray, b: FloatArray, table: IntArray, numbers: FloatArray,
+    tol: float, x: FloatArray,
+) -> tuple[int, float, float]:  # fmt: skip
+    """Solve one connected part; return the Newton steps, the velocity error over the scale, and that [m/s].
+
+    Parameters and what is replaced: see `solve_part`.
+    """
+    least, speed, steps = np.inf, 0.0, 0
+    start, free = x.copy(), v.copy()
+    for i in range(x.size):
+        x[i] = 0.0
+    for share, sweeps, most in ROW_ATTEMPTS:
+        trial, moved = start.copy(), free.copy()
+        if sweeps != AT_HAND:
+            for k in range(table.shape[0]):
+                if table[k, KIND] != SOFT_ROWS:
+                    for i in range(table[k, FIRST], table[k, FIRST] + table[k, DIM]):
+                        trial[i] = 0.0
+            if sweeps > 0:
+                sweep_part(M, free, J, b, table, numbers, sweeps, trial)
+        used, error, speed = solve_part(M, moved, J, b, table, numbers, share, tol, most, trial)
+        steps += used
+        if error < least:
+            least = error
+            for i in range(x.size):
+                x[i] = trial[i]
+            for i in range(v.size):
+                v[i] = moved[i]
+        if least <= tol:
+            break
+    return steps, least, speed

@@ -1,0 +1,41 @@
+"""The benchmark of exact contacts in MuJoCo: other people's models from a folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from benchmarks.mujoco_exact.models import find_models, model_rows, run_models
+
+BOX = """<mujoco><worldbody><geom type="plane" size="9 9 1"/><body pos="0 0 0.1"><joint name="x" type="slide"
+axis="1 0 0"/><joint type="slide" axis="0 0 1"/><geom type="box" size="0.1 0.1 0.1"/></body></worldbody>
+<actuator><motor joint="x" gear="5" ctrlrange="-1 1"/></actuator></mujoco>"""
+
+
+def test_models_of_a_folder_are_run_and_summed(tmp_path: Path) -> None:
+    """Found by package and name; all steps with contacts are certified; what does not load says so."""
+    assets = tmp_path / "gymnasium" / "envs" / "mujoco" / "assets"
+    assets.mkdir(parents=True)
+    (assets / "hopper.xml").write_text(BOX)
+    (assets / "ant.xml").write_text("<mujoco><wrong/></mujoco>")
+    assert list(find_models(tmp_path)) == ["gym ant", "gym hopper"]
+    broken, fine = run_models(tmp_path, 0.2, 5, 0)
+    assert "Schema violation" in broken.said
+    assert (fine.steps, fine.held, fine.missed, fine.lost, fine.share) == (100, 100, 0, 0, 1.0)
+    rows = model_rows([broken, fine])
+    assert [row[0] for row in rows] == ["gym hopper", "all"]
+    assert rows[-1][1:6] == ["100", "100", "100.000", "0", "0"]
+
+
+def test_a_folder_without_models_is_one_line(tmp_path: Path) -> None:
+    """The command says what to install, and ends with 2."""
+    typer = pytest.importorskip("typer")
+    from benchmarks.mujoco_exact.__main__ import main
+
+    app = typer.Typer()
+    app.command()(main)
+    result = CliRunner().invoke(app, ["--models", str(tmp_path)])
+    assert result.exit_code == 2
+    assert "gymnasium dm_control" in " ".join(result.output.split())
