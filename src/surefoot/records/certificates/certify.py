@@ -22,7 +22,9 @@ from surefoot.records.certificates.frame_table import NO_WINDOW, FrameTable
 from surefoot.records.certificates.motion_report import MotionReport
 from surefoot.records.certificates.segments import find_segments
 from surefoot.records.certificates.touching_points import touching_points
+from surefoot.records.log.log import Log
 from surefoot.records.motions.motion import Motion
+from surefoot.records.motions.read_motion import read_motion
 
 SAID = 1e-3
 """Height of the whole motion above the ground from which a note says so [m]."""
@@ -30,7 +32,7 @@ SAID = 1e-3
 
 def certify_motion(
     robot: Robot,
-    motion: Motion,
+    motion: Motion | Log,
     mu: float | ArrayLike = 0.8,
     sliding_mu: Sequence[float] = (0.3, 0.8),
     terrain: Terrain | None = None,
@@ -42,15 +44,16 @@ def certify_motion(
 
     A frame is impossible where no forces of its contacts, within friction and torque limits, come nearer to
     what it needs than a tenth of the weight, for so long that the centre of mass would have to leave its way
-    by half a centimetre; the proof is in `MotionReport.certificate`. It says nothing of whether a controller will
-    track the motion.
+    by half a centimetre; the proof is in `MotionReport.certificate`. It says nothing of whether a controller
+    will track the motion.
 
     Parameters
     ----------
     robot
         Any with a floating base; masses, limits and collision shapes are its model's.
     motion
-        Configurations of that robot at an even rate, from `read_motion` or from arrays.
+        Configurations of that robot at an even rate, from `read_motion` or from arrays; or a log or a plan,
+        which `read_motion` makes one of.
     mu
         Friction of contacts that stick, a number or one a foot, (n,) [-].
     sliding_mu
@@ -75,6 +78,8 @@ def certify_motion(
     Impacts are in the mean over a window; joints at their stops carry any torque away from them.
     """
     of_kind("robot", robot, Robot)
+    if isinstance(motion, Log):
+        motion = read_motion(motion, robot)
     of_kind("motion", motion, Motion)
     if terrain is not None:
         of_kind("terrain", terrain, Terrain)
@@ -90,14 +95,12 @@ def certify_motion(
     impossible = max(chosen.impossible, noise)
     table = _table(robot, checked, data, answer, possible, impossible, chosen.detour)
     segments = find_segments(data, answer, table, points.links, impossible)
+    asked = {"mu": mu, "sliding_mu": slides, "terrain": terrain, "window": given, "settings": chosen}
     length = data.model.window.length * data.model.window.step
     notes = _notes(robot, checked, data, terrain, impossible, chosen)
     return MotionReport(
-        checked, table, segments, length, data.noise.wrench, possible, impossible, notes, chosen, data, points,
-        answer.needed,
-        partial(
-            _certify_again, robot=robot, mu=mu, sliding_mu=slides, terrain=terrain, window=given, settings=chosen
-        ),
+        checked, table, segments, length, data.noise.wrench, possible, impossible, notes, chosen, data,
+        points, answer.needed, partial(_certify_again, robot=robot, **asked),
     )  # fmt: skip
 
 
@@ -152,7 +155,7 @@ def _table(
     verdict[detour > least_detour] = "impossible"
     lowest = data.model.points.gaps.min(axis=1) if data.model.points.gaps.shape[1] else np.full(count, np.inf)
     names = robot.joint_names if len(data.model.motion.joints) == robot.joints else ()
-    bad = np.flatnonzero(verdict == "impossible").astype(np.int64)
+    bad = np.flatnonzero(detour > 0.0).astype(np.int64)
     cause, joint = find_causes(data, answer, bad, impossible, lowest, names)
     beyond = _beyond_stops(robot, motion)
     return FrameTable(

@@ -18,7 +18,7 @@ CAUSES = (
     "", "hangs", "slides", "tips over the sole", "friction", "torque of a joint", "stop", "speed",
     "dynamics in flight",
 )  # fmt: skip
-"""Why a frame is impossible, "" for others. "stop" is named where a joint is also beyond its stop."""
+"""Why a frame's bound is above the limit, "" for others. "stop": a joint is beyond its stop as well."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -84,7 +84,7 @@ class MotionReport(Drawn):
     @cached_property
     def causes(self) -> dict[str, int]:
         """Number of impossible frames by their cause, the most frequent first."""
-        counted = Counter(self.frames.cause[self.frames.cause != ""].tolist())
+        counted = Counter(self.frames.cause[self.frames.verdict == "impossible"].tolist())
         return dict(counted.most_common())
 
     @cached_property
