@@ -95,7 +95,13 @@ def certify_motion(
     impossible = max(chosen.impossible, noise)
     table = _table(robot, checked, data, answer, possible, impossible, chosen.detour)
     segments = find_segments(data, answer, table, points.links, impossible)
-    asked = {"mu": mu, "sliding_mu": slides, "terrain": terrain, "window": given, "settings": chosen}
+    asked: dict[str, Any] = {
+        "mu": mu,
+        "sliding_mu": slides,
+        "terrain": terrain,
+        "window": given,
+        "settings": chosen,
+    }
     length = data.model.window.length * data.model.window.step
     notes = _notes(robot, checked, data, terrain, impossible, chosen)
     return MotionReport(
