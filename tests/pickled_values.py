@@ -138,6 +138,7 @@ VALUES: dict[str, Callable[[], Any]] = {
     "StandingController": standing,
     "StandingPlan": standing_plan,
     "Status": lambda: sf.Status.SOLVED,
+    "StepLaws": lambda: sf.StepLaws(4, 0.6, 12.0, 0.02),
     "SurefootError": lambda: sf.SurefootError("so"),
     "Tasks": tasks,
     "VelocityCommand": lambda: sf.VelocityCommand.constant(0.3),

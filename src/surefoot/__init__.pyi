@@ -92,6 +92,7 @@ from .records.log.reading import read_log as read_log
 from .records.motions.motion import Motion as Motion
 from .records.motions.read_motion import read_motion as read_motion
 from .records.motions.read_motion import read_motions as read_motions
+from .records.repairs.repair_motion import repair_motion as repair_motion
 from .worlds.mujoco.contacts_from_mujoco import contacts_from_mujoco as contacts_from_mujoco
 from .worlds.mujoco.mujoco_world import MujocoWorld as MujocoWorld
 from .worlds.mujoco.recording import record as record

@@ -44,6 +44,7 @@ def test_several_motions_are_ranked_and_kept(
     said = printed("certify", *files, *given, code=1)
     assert said.index("still.csv") < said.index("hangs.csv")
     assert "1 of 2 motions are possible" in said
+    assert "50.0 % of 72 frames are impossible: hangs 50.0 %" in said
     kept = sorted(path.suffix for path in (tmp_path / "kept").iterdir())
     assert kept == [".csv", ".csv", ".json", ".json"]
     assert "2 were certified before" in printed("certify", *files, *given, code=1)

@@ -258,6 +258,14 @@ def test_a_file_that_exists_is_kept(g1: sf.Robot, tmp_path, write) -> None:
     assert path.read_text() == "mine"
 
 
+def test_a_log_is_certified_as_the_motion_in_it(g1: sf.Robot) -> None:
+    motion = still(g1)
+    log = sf.Log({"time": motion.times, "q": motion.q, "v": np.zeros((len(motion), g1.model.nv))})
+    report = sf.certify_motion(g1, log)
+    assert report.verdict == "possible"
+    assert np.array_equal(report.frames.share, sf.certify_motion(g1, motion).frames.share, equal_nan=True)
+
+
 def test_wrong_input_is_named(g1: sf.Robot) -> None:
     motion = still(g1)
     spoilt = motion.q.copy()

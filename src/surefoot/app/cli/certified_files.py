@@ -88,12 +88,14 @@ def certify_file(path: Path, question: Question, folder: Path | None) -> list[Ou
 
 
 def _place(path: Path, question: Question, folder: Path) -> Path:
-    """Return where the report of a file stands, by its contents and what is asked."""
+    """Return where the report of a file stands, by its contents, what is asked and the rules of today."""
+    from surefoot.records.certificates.certificate_settings import CertificateSettings
+
     try:
         contents = path.read_bytes()
     except OSError as error:
         raise ProblemError(f"{path}: {error.strerror or error}") from error
-    asked = json.dumps(asdict(question), sort_keys=True).encode()
+    asked = json.dumps([asdict(question), asdict(CertificateSettings())], sort_keys=True).encode()
     return folder / f"{path.stem}-{hashlib.sha256(contents + asked).hexdigest()[:8]}"
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -94,10 +95,23 @@ def _print(console: Console, found: list[Outcome]) -> None:
         common = os.path.commonpath([Path(one.file).absolute().parent for one in ranked])
         rows = [_row(one, os.path.relpath(one.file, common)) for one in ranked]
         console.print(table(HEADER, rows, left=HEADER[:1] + HEADER[5:]))
+        say(console, _frames(judged))
         count = sum(one.facts["verdict"] == "possible" for one in judged)
         kept = sum(one.kept for one in judged)
         line = f"{count} of {len(judged)} motions are possible"
         say_verdict(console, line + (f"; {kept} were certified before" if kept else ""), count == len(judged))
+
+
+def _frames(judged: list[Outcome]) -> str:
+    """Return how many frames of all motions are impossible, by cause."""
+    frames, causes = sum(one.facts["judged"] for one in judged), Counter[str]()
+    for one in judged:
+        causes.update(one.facts["causes"])
+    if not frames:
+        return ""
+    shares = ", ".join(f"{name} {100.0 * count / frames:.1f} %" for name, count in causes.most_common())
+    line = f"{100.0 * sum(causes.values()) / frames:.1f} % of {frames} frames are impossible"
+    return f"{line}: {shares}" if causes else line
 
 
 def _score(facts: dict[str, Any]) -> float:

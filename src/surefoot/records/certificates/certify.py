@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,18 +15,24 @@ from surefoot.base.numerics.windows import sliding_mean
 from surefoot.mechanics import Robot, Terrain
 from surefoot.records.certificates.causes import find_causes
 from surefoot.records.certificates.certificate_settings import CertificateSettings
+from surefoot.records.certificates.detours import find_detours
 from surefoot.records.certificates.frame_data import FrameData, frame_data
 from surefoot.records.certificates.frame_kernels import Answer
 from surefoot.records.certificates.frame_table import NO_WINDOW, FrameTable
 from surefoot.records.certificates.motion_report import MotionReport
 from surefoot.records.certificates.segments import find_segments
 from surefoot.records.certificates.touching_points import touching_points
+from surefoot.records.log.log import Log
 from surefoot.records.motions.motion import Motion
+from surefoot.records.motions.read_motion import read_motion
+
+SAID = 1e-3
+"""Height of the whole motion above the ground from which a note says so [m]."""
 
 
 def certify_motion(
     robot: Robot,
-    motion: Motion,
+    motion: Motion | Log,
     mu: float | ArrayLike = 0.8,
     sliding_mu: Sequence[float] = (0.3, 0.8),
     terrain: Terrain | None = None,
@@ -35,15 +43,17 @@ def certify_motion(
     """Return whether the ground and the motors could give the forces that a motion needs, frame by frame.
 
     A frame is impossible where no forces of its contacts, within friction and torque limits, come nearer to
-    what it needs than a tenth of the weight; the proof is in `MotionReport.certificate`. It says nothing of
-    whether a controller will track the motion.
+    what it needs than a tenth of the weight, for so long that the centre of mass would have to leave its way
+    by half a centimetre; the proof is in `MotionReport.certificate`. It says nothing of whether a controller
+    will track the motion.
 
     Parameters
     ----------
     robot
         Any with a floating base; masses, limits and collision shapes are its model's.
     motion
-        Configurations of that robot at an even rate, from `read_motion` or from arrays.
+        Configurations of that robot at an even rate, from `read_motion` or from arrays; or a log or a plan,
+        which `read_motion` makes one of.
     mu
         Friction of contacts that stick, a number or one a foot, (n,) [-].
     sliding_mu
@@ -68,6 +78,8 @@ def certify_motion(
     Impacts are in the mean over a window; joints at their stops carry any torque away from them.
     """
     of_kind("robot", robot, Robot)
+    if isinstance(motion, Log):
+        motion = read_motion(motion, robot)
     of_kind("motion", motion, Motion)
     if terrain is not None:
         of_kind("terrain", terrain, Terrain)
@@ -81,13 +93,26 @@ def certify_motion(
     noise = chosen.sigmas * data.noise.wrench
     possible = min(max(chosen.floor, noise), chosen.impossible)
     impossible = max(chosen.impossible, noise)
-    table = _table(robot, checked, data, answer, possible, impossible)
+    table = _table(robot, checked, data, answer, possible, impossible, chosen.detour)
     segments = find_segments(data, answer, table, points.links, impossible)
+    asked: dict[str, Any] = {
+        "mu": mu,
+        "sliding_mu": slides,
+        "terrain": terrain,
+        "window": given,
+        "settings": chosen,
+    }
     length = data.model.window.length * data.model.window.step
     notes = _notes(robot, checked, data, terrain, impossible, chosen)
     return MotionReport(
-        checked, table, segments, length, data.noise.wrench, possible, impossible, notes, chosen, data, points
-    )
+        checked, table, segments, length, data.noise.wrench, possible, impossible, notes, chosen, data,
+        points, answer.needed, partial(_certify_again, robot=robot, **asked),
+    )  # fmt: skip
+
+
+def _certify_again(motion: Motion, robot: Robot, **asked: Any) -> MotionReport:
+    """Return the certificate of another motion under the same assumptions."""
+    return certify_motion(robot, motion, **asked)
 
 
 def _range(sliding_mu: Sequence[float]) -> tuple[float, float]:
@@ -123,23 +148,26 @@ def _check_motion(robot: Robot, motion: Motion) -> Motion:
 
 
 def _table(
-    robot: Robot, motion: Motion, data: FrameData, answer: Answer, possible: float, impossible: float
-) -> FrameTable:
+    robot: Robot, motion: Motion, data: FrameData, answer: Answer, possible: float, impossible: float,
+    least_detour: float,
+) -> FrameTable:  # fmt: skip
     """Return the frames with their verdicts and causes."""
     count, judged = len(motion), np.isfinite(answer.share)
     verdict = np.full(count, NO_WINDOW, dtype="<U12")
     verdict[judged] = "cannot tell"
     verdict[judged & (answer.share <= possible)] = "possible"
-    verdict[judged & (answer.bound > impossible)] = "impossible"
+    window = data.model.window
+    detour = find_detours(answer.bound, impossible, window.length * window.step, window.step)
+    verdict[detour > least_detour] = "impossible"
     lowest = data.model.points.gaps.min(axis=1) if data.model.points.gaps.shape[1] else np.full(count, np.inf)
     names = robot.joint_names if len(data.model.motion.joints) == robot.joints else ()
-    bad = np.flatnonzero(verdict == "impossible").astype(np.int64)
+    bad = np.flatnonzero(detour > 0.0).astype(np.int64)
     cause, joint = find_causes(data, answer, bad, impossible, lowest, names)
     beyond = _beyond_stops(robot, motion)
     return FrameTable(
         np.arange(count) / motion.rate, verdict, answer.wrench[:, :3], answer.wrench[:, 3:], answer.share,
-        answer.bound, cause, joint, answer.contacts, answer.sliding, answer.slowest, np.maximum(-lowest, 0.0),
-        np.maximum(lowest, 0.0), beyond, _shaking(motion),
+        answer.bound, detour, cause, joint, answer.contacts, answer.sliding, answer.slowest,
+        np.maximum(-lowest, 0.0), np.maximum(lowest, 0.0), beyond, _shaking(motion),
     )  # fmt: skip
 
 
@@ -170,6 +198,11 @@ def _notes(
     out = [*motion.notes]
     if terrain is None:
         out.append("level ground at z = 0; props and steps are not in a motion: give a terrain")
+    height = data.model.rules.clearance - settings.clearance
+    if height > SAID:
+        out.append(
+            f"what rests stands {1e3 * height:.0f} mm above the ground throughout: contacts count from there"
+        )
     if impossible > settings.impossible:
         out.append(
             f"the data are noisy: {data.noise.wrench:.2f} m g in the needed forces, so impossible is above "

@@ -79,6 +79,7 @@ def frame_data(
     )
     chosen, noise = _window(arrays, rules, step, window, settings)
     kept = _point_arrays(points, arrays, terrain, step, chosen)
+    rules = rules._replace(clearance=settings.clearance + standing_height(kept, settings))
     motors = _motors(robot, arrays, step, noise, settings)
     model = Model(
         tree, arrays, kept, motors, _moves(tree, arrays.joints), chosen, frame_weights(chosen), rules
@@ -169,6 +170,22 @@ def _point_arrays(
     return PointArrays(
         near, body, points.mu[near], lowest, np.ascontiguousarray(gaps[:, near]), normals, slides
     )
+
+
+def standing_height(points: PointArrays, settings: CertificateSettings) -> float:
+    """Return how high the resting points of a motion stand above the ground in the middle of it [m].
+
+    Retargeted feet stand where another model had its ground: all of a motion is a centimetre too high. More
+    than `CertificateSettings.stand` is a motion that hangs, and below the ground needs no allowance: then it
+    is zero.
+    """
+    if not len(points.slides) or not points.slides.shape[1]:
+        return 0.0
+    rests = np.linalg.norm(points.slides, axis=2) <= settings.stick
+    heights = np.where(rests, points.gaps[:-1], np.inf).min(axis=1)
+    heights = heights[heights <= settings.clearance + settings.stand]
+    middle = float(np.median(heights)) if len(heights) else 0.0
+    return middle if 0.0 < middle <= settings.stand else 0.0
 
 
 NEAR = 0.3

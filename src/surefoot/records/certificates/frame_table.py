@@ -18,7 +18,7 @@ CAUSES = (
     "", "hangs", "slides", "tips over the sole", "friction", "torque of a joint", "stop", "speed",
     "dynamics in flight",
 )  # fmt: skip
-"""Why a frame is impossible, "" for others. "stop" is named where a joint is also beyond its stop."""
+"""Why a frame's bound is above the limit, "" for others. "stop": a joint is beyond its stop as well."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +38,9 @@ class FrameTable:
         (T,) size of what the best forces leave, moments over 0.3 m [m g].
     bound
         (T,) what no forces leave less than, by the frame's certificate [m g].
+    detour
+        (T,) how far the centre of mass would have to leave its way, while the bound is above the limit, for
+        forces to exist [m]; 0 for others.
     cause
         (T,) of `CAUSES`.
     joint
@@ -60,6 +63,7 @@ class FrameTable:
     moment: FloatArray
     share: FloatArray
     bound: FloatArray
+    detour: FloatArray
     cause: NDArray[np.str_]
     joint: NDArray[np.str_]
     contacts: IntArray

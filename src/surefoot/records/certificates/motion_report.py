@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import json
 import math
+from collections import Counter
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -12,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.base.arrays import whole_number
+from surefoot.base.arrays import FloatArray, whole_number
 from surefoot.base.drawn import Drawn
 from surefoot.base.errors import ProblemError, writing
 from surefoot.base.text_files import path_of, plain_value
@@ -46,6 +48,11 @@ class MotionReport(Drawn):
         What was assumed, and what was guessed when the motion was read, a line each.
     settings
         Of the certificate.
+    needed
+        (T, 6) force and moment about the centre of mass that the ground would have to give, world axes [N,
+        N m].
+    again
+        The same question, of another motion of the robot.
     """
 
     motion: Motion
@@ -59,6 +66,8 @@ class MotionReport(Drawn):
     settings: CertificateSettings
     data: FrameData
     points: TouchingPoints
+    needed: FloatArray
+    again: Callable[[Motion], MotionReport]
 
     @cached_property
     def judged(self) -> int:
@@ -71,6 +80,12 @@ class MotionReport(Drawn):
         if self.judged == 0:
             return math.nan
         return float(np.sum(self.frames.verdict == "impossible")) / self.judged
+
+    @cached_property
+    def causes(self) -> dict[str, int]:
+        """Number of impossible frames by their cause, the most frequent first."""
+        counted = Counter(self.frames.cause[self.frames.verdict == "impossible"].tolist())
+        return dict(counted.most_common())
 
     @cached_property
     def score(self) -> float:
@@ -147,6 +162,7 @@ class MotionReport(Drawn):
             "impossible_share": self.impossible_share,
             "frames": len(self.frames),
             "judged": self.judged,
+            "causes": self.causes,
             "rate": self.motion.rate,
             "window": self.window,
             "noise": self.noise,

@@ -33,6 +33,8 @@ class Segment:
         Of most of it, see `FrameTable`.
     worst
         Largest residual [m g].
+    detour
+        Largest way by which the centre of mass would have to leave its own, see `FrameTable` [m].
     where
         The joint or the part at fault; "" where it is all of it.
     cure
@@ -45,6 +47,7 @@ class Segment:
     last: int
     cause: str
     worst: float
+    detour: float
     where: str
     cure: str
 
@@ -77,7 +80,7 @@ def _of_group(
     where, cure = _cure(data, answer, table, links, limit, cause, of_it, worst)
     yield Segment(
         float(table.time[group[0]]), float(table.time[group[-1]]), int(group[0]), int(group[-1]), cause,
-        float(share.max()), where, cure,
+        float(share.max()), float(table.detour[group].max()), where, cure,
     )  # fmt: skip
 
 

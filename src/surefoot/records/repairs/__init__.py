@@ -1,0 +1,1 @@
+"""Motions mended: the nearest one that forces exist for."""
