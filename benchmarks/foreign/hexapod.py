@@ -115,7 +115,8 @@ class HexapodControl:
         data.qpos[self.base : self.base + 3] = (RIDE + BUTTON - 0.0005) * self.normal
         data.qpos[self.base + 3 : self.base + 7] = np.cos(slope / 2), 0.0, np.sin(slope / 2), 0.0
         for k in range(len(LEGS)):
-            data.qpos[self.q[3 * k : 3 * k + 3]] = self.angles(k, *self.home[k], -RIDE)
+            x, y = self.home[k].tolist()
+            data.qpos[self.q[3 * k : 3 * k + 3]] = self.angles(k, x, y, -RIDE)
         data.ctrl[:] = data.qpos[self.q]
         self.begin = data.qpos[self.base : self.base + 3].copy()
 

@@ -53,7 +53,7 @@ def unequal_shares(count: int) -> FloatArray:
     The golden ratio's multiples spread them; any others would do, but for equal ones.
     """
     golden = 0.5 * (math.sqrt(5.0) - 1.0)
-    return 1.0 + UNEQUAL * (2.0 * ((np.arange(1, count + 1) * golden) % 1.0) - 1.0)
+    return np.asarray(1.0 + UNEQUAL * (2.0 * ((np.arange(1, count + 1) * golden) % 1.0) - 1.0))
 
 
 @inline_kernel
