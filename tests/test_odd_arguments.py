@@ -24,7 +24,7 @@ ELSEWHERE = {
     **dict.fromkeys(
         ("audit_log", "assert_lawful", "summarise_walk", "seeded_faults", "identify", "replay_log", "picture",
          "plan", "trajectory_gradient", "run", "record", "contacts_from_mujoco", "MujocoStepper",
-         "exact_contact", "Motion"),
+         "exact_contact", "Motion", "repair_motion", "transfer"),
         "takes logs, robots, worlds and models: see test_wrong_api",
     ),
     **dict.fromkeys(

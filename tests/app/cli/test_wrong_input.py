@@ -174,7 +174,7 @@ RUNS = [
     ("walk --view --planner contact-implicit", "--view steers --planner convex, got contact-implicit"),
     *((f"{c} --world moon", "unknown world 'moon'") for c in BOTH),
     *(
-        (f"{c} --world drake --{given}", f"--{given} is of --world mujoco or rigid")
+        (f"{c} --world drake --{given}", f"--{given} is of --world mujoco or mujoco-exact or rigid")
         for c in BOTH
         for given in ("collision full", "actuators real")
     ),

@@ -64,7 +64,12 @@ def robot_of_recording(log: Log) -> Robot:
 
 
 def ground_of_recording(log: Log) -> Terrain | None:
-    """Return level ground where all that a recording touched lay at height zero, else None."""
+    """Return level ground where all that a recording touched lay at height zero, else None.
+
+    Other logs are told by whoever ran them what they stood on.
+    """
+    if log.facts.get("kind") != "recording":
+        return None
     if not {"normals", "contact_positions", "forces", "gaps"} <= set(log):
         return None
     loaded = np.asarray(log["forces"])[..., 2] > 0.0

@@ -139,7 +139,7 @@ class RunSummary:
 def world_name(log: Log) -> str:
     """Return where a log's run took place, as `--world` has it; empty for a log that does not tell.
 
-    >>> world_name(Log({}, {"world": "MujocoExactWorld"}))
+    >>> world_name(Log({"time": [0.0]}, {"world": "MujocoExactWorld"}))
     'mujoco-exact'
     """
     kind = str(log.facts.get("world", "")).removesuffix("World")
