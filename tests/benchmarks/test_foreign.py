@@ -58,7 +58,8 @@ def test_every_fault_makes_its_loop_fail(loop: str, cause: str) -> None:
 
 @pytest.mark.long
 @pytest.mark.parametrize(
-    ("loop", "cause"), [(loop, cause) for loop in OTHERS for cause in loop.faults], ids=str
+    ("loop", "cause"),
+    [pytest.param(loop, cause, id=f"{loop.name}-{cause}") for loop in OTHERS for cause in loop.faults],
 )
 def test_every_fault_makes_another_robot_fail(loop: Loop, cause: str) -> None:
     run = loop.failed(cause, 0)
