@@ -17,6 +17,9 @@ from surefoot.records.repairs.foot_paths import FootPaths, find_foot_paths
 from surefoot.records.repairs.leg_kinematics import follow_feet
 from surefoot.records.repairs.repair_settings import RepairSettings
 
+ROUNDING = 1e-9
+"""Difference of scores that is none: another processor gives another [-]."""
+
 
 @dataclass(frozen=True, eq=False)
 class Repair:
@@ -87,16 +90,18 @@ def repair_motion(report: MotionReport, settings: RepairSettings | None = None) 
         q = _calm(source, best.report, widen * chosen.calm)
         start = report.again(replace(report.motion, q=q))
         for one in _tries(report, start, chosen):
-            if one.joint_change <= chosen.joints and _rank(one.report) < _rank(best.report):
+            if one.joint_change <= chosen.joints and _is_better(one.report, best.report):
                 best = one
         if best.report.impossible_share == 0.0:
             break
     return best
 
 
-def _rank(report: MotionReport) -> tuple[float, float]:
-    """Return what a repair makes small: impossible frames, then the score."""
-    return report.impossible_share, report.score
+def _is_better(one: MotionReport, other: MotionReport) -> bool:
+    """Return whether one has fewer impossible frames, or as many and a score lower by more than rounding."""
+    if one.impossible_share != other.impossible_share:
+        return bool(one.impossible_share < other.impossible_share)
+    return bool(one.score < other.score - ROUNDING)
 
 
 def _calm(report: MotionReport, judged: MotionReport, deviation: float) -> FloatArray:
