@@ -11,7 +11,7 @@ from surefoot.base.spatial import GRAVITY, quaternion_about, rotation_from_quate
 from surefoot.contact import SpringDamper, behaviour
 from surefoot.mechanics import SlopeTerrain, Terrain
 from surefoot.worlds.experiments.experiment import Measured, MeasuredQuantity, WorldExperiment
-from surefoot.worlds.experiments.ground import bouncing, slid_down
+from surefoot.worlds.experiments.ground import HARD, bouncing, slid_down
 from surefoot.worlds.experiments.track import BodyRun, BodyTrack, fall
 from surefoot.worlds.rigid.bodies import ball, box
 
@@ -59,10 +59,7 @@ def _bounce(world: str, dt: float) -> Measured:
     low = int(np.argmax(rising))
     top = float(gap[low + int(np.argmin(rising[low:]))])
     e = RESTITUTION
-    if world not in (
-        "rigid",
-        "mujoco-exact",
-    ):  # the ground is a spring: the law's own bounce, gravity included
+    if world not in HARD:  # the ground is a spring: the law's own bounce, gravity included
         law = SpringDamper.bouncing(STIFFNESS, RESTITUTION, MASS)
         e = behaviour(law, MASS, math.sqrt(2.0 * GRAVITY * HOP)).restitution
     return (MeasuredQuantity("height of the bounce", "m", top, e**2 * HOP),)

@@ -11,6 +11,8 @@ from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import GRAVITY
 from surefoot.contact import SpringDamper, translate
 
+HARD = ("rigid", "mujoco-exact")
+"""Worlds whose contacts are no springs: they bounce by Newton's coefficient."""
 STEPS_OF_MUJOCO = 4.0
 """MuJoCo's time constant in steps: twice the shortest that it takes."""
 NEAR_RIGID = (0.97, 0.99, 0.001, 0.5, 2.0)
@@ -32,7 +34,7 @@ def hard(world: str, dt: float) -> dict[str, Any]:
 
 def bouncing(world: str, restitution: float, mass: float, stiffness: float, dt: float) -> dict[str, Any]:
     """Return a world's options for bounces: Newton's coefficient, or a spring-damper of that restitution."""
-    if world in ("rigid", "mujoco-exact"):
+    if world in HARD:
         return {"restitution": restitution}
     law = SpringDamper.bouncing(stiffness, restitution, mass)
     if world != "mujoco":

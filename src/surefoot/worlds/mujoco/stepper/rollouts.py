@@ -47,12 +47,15 @@ class RolloutStepper:
         """Advance the data by a time step."""
         raise NotImplementedError
 
-    def twin(self) -> Any:
-        """Return another stepper of the same model and options: for another thread, or another data."""
+    def twin(self, **changes: Any) -> Any:
+        """Return another stepper of the same model and options, but for changes of these.
+
+        For another thread, or another data.
+        """
         model, options = self._made_of
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of pyramids: it was said
-            return type(self)(model, **options)  # type: ignore[call-arg]
+            return type(self)(model, **{**options, **changes})  # type: ignore[call-arg]
 
     def rollout(
         self, states: ArrayLike, controls: ArrayLike | None = None, *, nstep: int | None = None,

@@ -276,11 +276,7 @@ class MujocoStepper(Remade, ProblemStepper):
         if self._option.integrator == _RK4 or self._soft.size:
             raise ProblemError("derivative knows no RK4 and no soft contacts")
         if self._twin is None:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                self._twin = MujocoStepper(
-                    self._private.original, restitution=self.restitution, share=self.share, tol=1e-10
-                )
+            self._twin = self.twin(tol=1e-10)
         return differentiate(Evaluation(self._mujoco, self._twin, data))
 
     def _stage_of(self, data: Any, velocity: FloatArray) -> None:
