@@ -1,0 +1,1 @@
+"""Exercises of the course that grade themselves: stubs, solutions, and properties on random inputs."""
