@@ -26,6 +26,12 @@ def test_a_near_name(name: object, hint: str) -> None:
 def test_names_of_the_package() -> None:
     with pytest.raises(AttributeError, match=r"'FrictionCon' \(did you mean FrictionCone\?\)"):
         _ = sf.FrictionCon
+    with pytest.raises(AttributeError, match=r"did you mean PointContact, SoleContact or ContactProblem\?\)"):
+        _ = sf.Contact
+    with pytest.raises(AttributeError, match=r"did you mean picture or ANSWER\.plot\(\)\?\)"):
+        _ = sf.plot
+    with pytest.raises(AttributeError, match=r"did you mean FrictionCone, StanceCone or wrench_cone\?\)"):
+        _ = sf.Cone
     with pytest.raises(AttributeError, match=r"has no attribute 'zebra'$"):
         _ = sf.zebra
 
@@ -46,5 +52,7 @@ def test_the_command_line(words: list[str], hint: str, capsys: pytest.CaptureFix
 def test_a_cone_without_friction_says_what_is_true(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["cone", "--mu", "0", "--no-picture"]) == 0
     said = capsys.readouterr().out
-    assert "the ray along the normal" in said
+    assert "one ray, the normal" in said
+    assert "f_x = f_y = 0 and f_z >= 0" in " ".join(said.split())
     assert "gives up" not in said
+    assert "│" not in said  # no table of eight times the same ray

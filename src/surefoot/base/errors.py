@@ -171,6 +171,27 @@ def near_name(name: object, valid: Iterable[str]) -> str:
     return f" (did you mean {near}?)" if near else ""
 
 
+def names_with(word: str, valid: Iterable[str], most: int = 3) -> list[str]:
+    """Return known names that a word is a part of, whatever its capitals: whole words only.
+
+    >>> names_with("Contact", ["ContactSolver", "PointContact", "contact_times", "contacted"])
+    ['ContactSolver', 'PointContact', 'contact_times']
+    """
+    import re
+
+    def parts(name: str) -> list[str]:
+        return [one.lower() for one in re.findall(r"[A-Z]?[a-z0-9]+|[A-Z]+", name)]
+
+    asked = parts(word)
+    n = len(asked)
+
+    def held(name: str) -> bool:
+        own = parts(name)
+        return bool(n) and any(own[k : k + n] == asked for k in range(len(own) - n + 1))
+
+    return [name for name in valid if held(name)][:most]
+
+
 def _nearest(name: object, valid: Iterable[str]) -> str:
     """Return the known name that may be meant, whatever its capitals; empty for none."""
     import difflib
@@ -205,6 +226,11 @@ def count_of(number: int, noun: str) -> str:
 def one_line(error: BaseException) -> str:
     """Return what an error says in one line, as messages of the command line are."""
     return " ".join(str(error).split())
+
+
+def mujoco_line(error: Exception) -> str:
+    """Return what an error of MuJoCo says, in one line."""
+    return one_line(error).removeprefix("Error: ")
 
 
 def check_name(kind: str, name: object, valid: Iterable[str], where: str = "") -> None:

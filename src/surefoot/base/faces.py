@@ -31,10 +31,34 @@ def face(package: str, file: str, *own: str) -> tuple[Callable[[str], Any], Call
         if name == "__all__":
             return list(stub()[1])
         if name.startswith("__") or name not in stub()[1]:
-            from surefoot.base.errors import near_name
-
-            hint = near_name(name, stub()[1])
-            raise AttributeError(f"module {package!r} has no attribute {name!r}{hint}", name=name)
+            raise AttributeError(
+                f"module {package!r} has no attribute {name!r}{_hint(name, stub()[1])}", name=name
+            )
         return stub()[0](name)
 
     return load, lambda: sorted(stub()[1])
+
+
+OTHER_WORDS = {
+    "plot": ("picture", "ANSWER.plot()"),
+    "draw": ("picture", "ANSWER.plot()"),
+    "show": ("picture", "ANSWER.plot()"),
+    "load": ("load_robot", "read_log"),
+    "simulate": ("run",),
+    "check": ("can_stand", "audit_log"),
+    "contact": ("PointContact", "SoleContact", "ContactProblem"),
+}
+"""Words that people try, in small letters, to the names that do it: where no rule of spelling finds those."""
+
+
+def _hint(name: str, known: tuple[str, ...]) -> str:
+    """Return the question that asks for a known name that is meant; empty where none is near."""
+    from surefoot.base.errors import names_with, near_name
+
+    words = OTHER_WORDS.get(name.lower(), ())
+    other = [word for word in words if word.startswith("ANSWER") or word in known]
+    named = other if len(other) == len(words) and other else names_with(name, known)
+    if not named:
+        return near_name(name, known)
+    *most, last = named
+    return f" (did you mean {', '.join(most) + ' or ' if most else ''}{last}?)"

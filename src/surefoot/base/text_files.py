@@ -24,6 +24,14 @@ def path_of(value: object) -> Path:
     return Path(str(value))
 
 
+def free_path(path: Path | str) -> Path:
+    """Return a path that nothing stands at, or refuse it: nothing that exists is overwritten."""
+    place = path_of(path)
+    if place.exists():
+        raise ProblemError(f"{place} exists already")
+    return place
+
+
 def read_text(path: Path | str, what: str = "") -> str:
     """Return what a text file holds, or with "-" the standard input; `what` it is of, for the message.
 

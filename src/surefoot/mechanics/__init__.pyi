@@ -47,7 +47,7 @@ from .robot.foot import Foot as Foot
 from .robot.foot import shaped_foot as shaped_foot
 from .robot.jacobians import contact_jacobian as contact_jacobian
 from .robot.legs import Legs as Legs
-from .robot.mjcf import mujoco_line as mujoco_line
+from .robot.mjcf_missing import read_present as read_present
 from .robot.motor_limits import MotorLimits as MotorLimits
 from .robot.motor_limits import motor_limits as motor_limits
 from .robot.nominal import chain as chain

@@ -5,6 +5,7 @@ import pytest
 
 from surefoot.contact.solvers.dual_newton import dense as newton
 from surefoot.contact.solvers.dual_newton import distribution_memory as layout
+from surefoot.contact.solvers.dual_newton import row_proofs as proofs
 from surefoot.contact.solvers.dual_newton import rows as rows_of
 
 
@@ -35,9 +36,9 @@ def test_proof_of_emptiness_is_one(seed):
     rng = np.random.default_rng(50 + seed)
     direction = rng.normal(size=2)
     offset = rng.uniform(-60.0, 60.0)
-    sets[4:, newton.LOW] += offset * rows[:, rows_of.LIGHT]
-    sets[4:, newton.HIGH] += offset * rows[:, rows_of.LIGHT]
-    rows[:, rows_of.MOVED] = direction
+    sets[4:, newton.LOW] += offset * rows[:, proofs.LIGHT]
+    sets[4:, newton.HIGH] += offset * rows[:, proofs.LIGHT]
+    rows[:, proofs.MOVED] = direction
     angle = np.linspace(0.0, 2.0 * np.pi, 2000)
     pull = (T.T @ direction * units).reshape(4, 3)
     most = 0.0
@@ -48,4 +49,4 @@ def test_proof_of_emptiness_is_one(seed):
         most += top
     least = np.sum(np.minimum(direction * (low + offset), direction * (high + offset)))
     if abs(most - least) > 1e-3:
-        assert rows_of._proves_empty(columns, sets, rows) == (most < least)
+        assert proofs.proves_empty(columns, sets, rows) == (most < least)

@@ -135,6 +135,7 @@ def test_a_sole_whose_frame_lies_on_its_side_gets_one_that_stands(tmp_path: Path
     robot.sphere_bottoms(robot.nominal)
     np.testing.assert_allclose(robot.data.oMf[robot.feet[0].frame].rotation, np.eye(3), atol=1e-3)
     np.testing.assert_allclose(robot.sphere_bottoms(sf.place(robot)), 0.0, atol=1e-6)
+    assert not [one for one in robot.lint().findings if one.rule == "foot-without-shape"]
 
 
 def test_a_missing_mesh_costs_itself_alone(tmp_path: Path) -> None:

@@ -34,7 +34,7 @@ def test_forces_and_torques_hold_the_robot_at_rest(go2):
     tau = pin.rnea(model, data, q, np.zeros(model.nv), np.zeros(model.nv), pin.StdVec_Force(pushes))
     np.testing.assert_allclose(tau[:6], 0.0, atol=1e-8)
     limits = actuation.torque_limits(go2, q, stance)
-    left = (limits.bound - limits.rows @ verdict.forces).reshape(2, -1)  # of the limits on either side
+    left = (limits.bound - limits.rows @ verdict.stacked).reshape(2, -1)  # of the limits on either side
     np.testing.assert_allclose(left, go2.effort_limits - np.array([tau[6:], -tau[6:]]), atol=1e-8)
 
 
@@ -98,7 +98,7 @@ def test_flat_feet_carry_moments():
     assert verdict
     assert verdict.verify()
     limits = actuation.torque_limits(g1, None, g1.stance())
-    assert np.all(limits.rows @ verdict.forces <= limits.bound)
+    assert np.all(limits.rows @ verdict.stacked <= limits.bound)
 
 
 @pytest.mark.parametrize("name", ["g1", "go2"])

@@ -73,7 +73,7 @@ def test_margin_is_what_it_says_and_cannot_be_beaten(kind):
             float(c.cone.margin(f)) for c, f in zip(points, verdict.corner_forces, strict=True) if c.mu > 0
         ]
         assert min(margins) == pytest.approx(verdict.margin, abs=1e-9 * scale)
-        total = case.stance.grasp_map(case.com) @ verdict.forces
+        total = case.stance.grasp_map(case.com) @ verdict.stacked
         np.testing.assert_allclose(total, verdict.load, atol=1e-9 * max(scale, np.abs(verdict.forces).max()))
 
 
@@ -284,7 +284,7 @@ def test_a_wrong_proof_does_not_verify():
     good, bad = (sf.can_stand(on_slope(degrees), [0, 0, 0.3], 15.0) for degrees in (10, 40))
     corners, good.corner_forces = good.corner_forces, 0.0 * good.corner_forces
     assert not good.verify()
-    good.corner_forces, good.forces = corners, good.forces * 1.01
+    good.corner_forces, good.stacked = corners, good.stacked * 1.01
     assert not good.verify()
     for certificate in (-bad.certificate, None):
         bad.certificate = certificate

@@ -5,7 +5,8 @@ import pytest
 
 import surefoot as sf
 from benchmarks.problems.allocation_program import cone_rows, cone_violation, objective, program
-from benchmarks.problems.allocations import FORCE_WEIGHT, WRENCH_WEIGHTS, four_feet
+from benchmarks.problems.allocations import FORCE_WEIGHT, WRENCH_WEIGHTS, Instance, four_feet
+from surefoot.base.spatial import skew
 from surefoot.contact.solvers.backends import ConeProgram, End, solve_program
 
 SEVERITY = {"loose": 24.0, "tight": 12.0, "hopeless": 1.0}
@@ -126,3 +127,53 @@ def test_rows_and_torques_take_turns():
         assert f[:, 2].sum() == pytest.approx(bound, abs=1e-6)
         again = distributor.solve(A, w, jacobian=J, torque_offset=offset)
         np.testing.assert_allclose(again, first, atol=1e-5)
+
+
+def limbs(rng, joints=7):
+    """Return an allocation: three to eight points a limb, endless normal forces, and torque rows they share.
+
+    Three joints of the trunk move every point, the other joints those of their own limb.
+    """
+    count = rng.integers(1, 5)
+    sizes = rng.integers(3, 9, count)
+    owner = np.repeat(np.arange(count), sizes)
+    arms = rng.uniform(-0.7, 0.7, (count, 3))[owner] + rng.uniform(-0.1, 0.1, (owner.size, 3))
+    n = owner.size
+    A = np.hstack([np.vstack([np.eye(3), skew(arm)]) for arm in arms])
+    J = np.zeros((3 * n, 3 + joints * count))
+    for j in range(J.shape[1]):
+        axis, place = rng.normal(size=3), rng.uniform(-0.5, 0.5, 3)
+        axis /= np.linalg.norm(axis)
+        moved = owner == (j - 3) // joints if j >= 3 else np.ones(n, dtype=bool)
+        J[:, j] = (np.cross(axis, arms - place) * moved[:, None]).ravel()
+    instance = Instance(
+        A, np.array([0.0, 0, 330, 0, 0, 0]) + rng.normal(size=6) * [100, 100, 150, 30, 30, 10],
+        np.full(n, 0.8), np.zeros(n), np.full(n, np.inf),
+    )  # fmt: skip
+    return instance, J, 25.0 * rng.normal(size=J.shape[1])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_many_points_that_share_joints_against_clarabel(seed):
+    """Soles, hands and knees of a humanoid: solved, or proven empty, as Clarabel says; nothing between."""
+    rng = np.random.default_rng(seed)
+    ends = {True: 0, False: 0}
+    for _ in range(60):
+        instance, J, offset = limbs(rng)
+        limit = np.full(J.shape[1], rng.choice([80.0, 55.0, 40.0]))
+        distributor = sf.ForceDistributor(
+            0.8, 0.0, wrench_weights=WRENCH_WEIGHTS, force_weight=FORCE_WEIGHT, torque_limit=limit
+        )
+        f = distributor.solve(instance.grasp_map, instance.wrench, jacobian=J, torque_offset=offset)
+        found = clarabel_with_rows(instance, J.T, -limit - offset, limit - offset)
+        empty = found.end is End.INFEASIBLE
+        ends[empty] += 1
+        assert distributor.status is (sf.Status.INFEASIBLE if empty else sf.Status.SOLVED)
+        assert cone_violation(instance, f) <= 1e-9
+        if not empty:
+            assert distributor.torque_excess <= 1e-9
+            p = program(instance)
+            best = objective(p, found.solution())
+            assert abs(objective(p, f.ravel()) - best) <= 1e-6 * max(1.0, abs(best))
+    assert ends[True] >= 5
+    assert ends[False] >= 30

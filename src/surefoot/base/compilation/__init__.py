@@ -9,7 +9,8 @@ Numba compiles every function on its own: optimises it, makes machine code of it
 does so again for each caller that it is linked into. In the first way a kernel that is called by a kernel is
 only translated; optimisation and machine code come once, for the kernel that Python calls, with the whole
 `tree` in one module. `turns` lets one process compile and others wait, `progress` says what is going on,
-`clock` stands still meanwhile.
+`clock` stands still meanwhile. `cold_start` lets Python run a kernel where one short question is all that is
+asked.
 """
 
 from __future__ import annotations
@@ -31,15 +32,13 @@ if PLAIN_BECAUSE:
     )
 else:
     from surefoot.base.compilation.numba_internals import (
-        borrowed,
         cache_folders,
         compiled,
-        compiled_so_far,
         entry_point,
-        keep,
         kept_files,
-        window,
     )
+    from surefoot.base.compilation.progress import compiled_so_far
+    from surefoot.base.compilation.uncounted import borrowed, keep, window
 
 __all__ = [
     "LOG",

@@ -8,7 +8,7 @@ from __future__ import annotations
 import contextlib
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 
@@ -53,6 +53,16 @@ def _listen() -> None:
 # on a Numba without it the clock counts compiling, too: a bound on time may end a first call early
 with contextlib.suppress(Exception):
     _listen()
+
+
+@contextlib.contextmanager
+def compiling() -> Iterator[None]:
+    """Let the clock of this thread stand still for what takes the place of compiling."""
+    _compiling.start()
+    try:
+        yield
+    finally:
+        _compiling.end()
 
 
 def working_time() -> float:

@@ -1,4 +1,4 @@
-"""Everything that relies on private parts of Numba: no other file imports them.
+"""What relies on private parts of Numba: no other file imports them, but for `uncounted`.
 
 What is relied upon is said where it is used, and `check` looks whether it is there; `RELIES_ON` is the list.
 All of it is the same in Numba 0.61.0, 0.64.0 and 0.68.1, the versions that it was tried with (2026-11-25).
@@ -28,12 +28,14 @@ from numba.core.caching import FunctionCache, IndexDataCacheFile  # what keeps c
 from numba.core.codegen import JITCodeLibrary  # a function's LLVM module on its way to machine code: `Part`
 from numba.core.compiler import Compiler  # the pipeline, whose `state.library` may be set beforehand
 from numba.core.datamodel import models, register_default  # OpaqueModel: a value that is a pointer or null
+from numba.core.dispatcher import OmittedArg  # `value`: stands for a default among a call's arguments
 from numba.core.environment import Environment, lookup_environment  # what compiled code knows of its module
 from numba.core.imputils import lower_constant  # how a global is written into code, by its type
 from numba.core.registry import CPUDispatcher  # what `numba.njit` returns: `Kernel`
 from numba.core.runtime import rtsys  # Numba's runtime, without which loaded code cannot run
-from numba.extending import _Intrinsic, intrinsic  # _defn: the Python function of an intrinsic
+from numba.extending import _Intrinsic  # _defn: the Python function of an intrinsic
 
+from surefoot.base.compilation.cold_start import NotKept, cold_start
 from surefoot.base.compilation.progress import LOG, progress
 from surefoot.base.compilation.tree import KernelTree
 from surefoot.base.compilation.turns import Turn
@@ -48,6 +50,7 @@ RELIES_ON: tuple[tuple[Any, str, str], ...] = (
     (Compiler, "define_pipelines", "self"),
     (CPUDispatcher, "__init__", "self py_func locals targetoptions pipeline_class"),
     (CPUDispatcher, "compile", "self sig"),
+    (CPUDispatcher, "_compile_for_args", "self args kws"),
     (CPUDispatcher, "get_call_template", "self args kws"),
     (CPUDispatcher, "get_overload", "self sig"),
     (FunctionCache, "__init__", "self py_func"),
@@ -61,6 +64,8 @@ RELIES_ON: tuple[tuple[Any, str, str], ...] = (
     (IndexDataCacheFile, "_load_data", "self name"),
     (IndexDataCacheFile, "_data_path", "self name"),
     (Environment, "_memo", ""),
+    (_Intrinsic, "_register", "self"),
+    (OmittedArg, "__init__", "self value"),
     (lookup_environment, "", "env_name"),
     (cgutils.get_null_value, "", "ltype"),
     (rtsys, "initialize", "ctx"),
@@ -205,6 +210,8 @@ class Cache(FunctionCache):  # type: ignore[misc]
         """
         rtsys.initialize(target_context)
         found = self._load_overload(sig, target_context)
+        if found is None and cold_start.allowed:
+            raise NotKept(self._tree.name)
         if found is None:
             # after the wait another process may have compiled and kept it
             self.turn.wait(self._tree.name)
@@ -295,6 +302,16 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
             if isinstance(self._cache, Cache):
                 self._cache.turn.end()
 
+    def _compile_for_args(self, *args: Any, **kws: Any) -> Any:
+        """Return what is called with such arguments. Relied upon: that may be a function of Python."""
+        if cold_start.inside:  # a kernel that Python was given as an argument
+            return _without_omitted(cold_start.in_python(self))
+        compile_for = super()._compile_for_args
+        try:
+            return compile_for(*args, **kws)
+        except NotKept:
+            return _without_omitted(cold_start.callable_of(self, lambda: compile_for(*args, **kws)))
+
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """Return what a kernel that calls this one is given of it."""
         return self._for_kernels().get_call_template(args, kws)
@@ -309,6 +326,11 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
             options = {**self.targetoptions, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
             self._part = _PartDispatcher(self.py_func, {}, options, pipeline_class=PartCompiler)
         return self._part
+
+
+def _without_omitted(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function that takes what stands for a default as its value."""
+    return lambda *given: function(*(g.value if isinstance(g, OmittedArg) else g for g in given))
 
 
 def _insides(value: Any) -> tuple[FunctionType | CodeType, str] | None:
@@ -336,48 +358,10 @@ def compiled(function: Any, releasing: bool = False, folded: bool = False) -> An
 
 def entry_point(kernel: Any, types: tuple[Any, ...]) -> Callable[..., Any]:
     """Return a kernel's function for one choice of types. Relied upon: `compile` returns it."""
-    return kernel.compile(types)  # type: ignore[no-any-return]
-
-
-# --- arrays that are not counted
-
-
-def _borrowed(typing: Any, array: Any) -> Any:
-    """Return the same array uncounted. Relied upon: an array without `meminfo` is counted by nobody."""
-
-    def code(context: Any, builder: Any, signature: Any, given: Any) -> Any:
-        out = context.make_array(array)(context, builder, value=given[0])
-        out.meminfo, out.parent = (cgutils.get_null_value(part.type) for part in (out.meminfo, out.parent))
-        return out._getvalue()
-
-    return array(array), code
-
-
-def _window(typing: Any, array: Any, start: Any, rows: Any, columns: Any) -> Any:
-    """Return a part of an array's memory as a matrix, uncounted."""
-    kind, integer = numba.types.Array(array.dtype, 2, "C"), numba.int64
-    from numba.np.arrayobj import populate_array  # takes 0.1 s: only where something is compiled
-
-    def code(context: Any, builder: Any, signature: Any, given: Any) -> Any:
-        memory = context.make_array(array)(context, builder, value=given[0])
-        out, size = context.make_array(kind)(context, builder), memory.itemsize
-        populate_array(
-            out, data=builder.gep(memory.data, [given[1]]), shape=given[2:], itemsize=size, meminfo=None,
-            strides=[builder.mul(given[3], size), size],
-        )  # fmt: skip
-        return out._getvalue()
-
-    return kind(array, integer, integer, integer), code
-
-
-def _keep(typing: Any, array: Any) -> Any:
-    """Do nothing."""
-    return numba.types.none(array), lambda context, *_: context.get_dummy_value()
-
-
-borrowed: Any = intrinsic(_borrowed)
-window: Any = intrinsic(_window)
-keep: Any = intrinsic(_keep)
+    try:
+        return kernel.compile(types)  # type: ignore[no-any-return]
+    except NotKept:
+        return cold_start.callable_of(kernel, lambda: kernel.compile(types))
 
 
 # --- what there is to say
@@ -392,8 +376,3 @@ def kept_files(package: Path) -> list[Path]:
     """Return the files of compiled code, beside a package's sources or where Numba keeps it."""
     folders = {*map(Path, cache_folders()), *package.rglob("__pycache__")}
     return [file for folder in folders for file in folder.glob("surefoot.*.nbc")]
-
-
-def compiled_so_far() -> int:
-    """Return how many kernels this process has compiled, not loaded, for Python to call."""
-    return progress.compiled

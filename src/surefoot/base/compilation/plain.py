@@ -22,6 +22,7 @@ import numba
 import numpy as np
 
 import surefoot
+from surefoot.base.compilation import in_python
 from surefoot.base.compilation.progress import LOG
 
 PACKAGE = Path(surefoot.__file__).parent
@@ -137,21 +138,7 @@ def _feed(said: Any, files: list[Path]) -> None:
             said.update(b"\0")
 
 
-def borrowed(array: Any) -> Any:
-    """Return the same array."""
-    return array
-
-
-def window(array: Any, start: int, rows: int, columns: int) -> Any:
-    """Return entries of an array's memory as a matrix."""
-    return array.reshape(array.size)[start : start + rows * columns].reshape(rows, columns)
-
-
-def keep(array: Any) -> None:
-    """Do nothing: whoever holds an array keeps it."""
-
-
-borrowed, window, keep = compiled(borrowed), compiled(window), compiled(keep)
+borrowed, window, keep = compiled(in_python.borrowed), compiled(in_python.window), compiled(in_python.keep)
 
 
 def cache_folders() -> list[str]:

@@ -4,16 +4,24 @@ from __future__ import annotations
 
 import contextlib
 import os
-import sys
 import time
 import zlib
 from collections.abc import Callable
+from typing import Any
 
 from surefoot.base.compilation.progress import LOG
 
-if sys.platform != "win32":
-    import fcntl
 
+def _import_fcntl() -> Any:
+    """Return the module of locks; None on Windows, which has no such locks."""
+    try:
+        import fcntl
+    except ImportError:
+        return None
+    return fcntl
+
+
+fcntl = _import_fcntl()
 PATIENCE = 300.0
 """How long a process waits for one that compiles the same kernel [s]; that one may have been stopped."""
 _locks: dict[str, int] = {}
@@ -39,7 +47,7 @@ class Turn:
 
     def wait(self, name: str) -> None:
         """Wait until no other process compiles the kernel of that name."""
-        if sys.platform == "win32":  # has no such locks: there, every process compiles for itself
+        if fcntl is None:  # every process compiles for itself
             return
         until = time.monotonic() + PATIENCE
         with contextlib.suppress(OSError):  # nowhere to write: every process compiles for itself

@@ -35,6 +35,19 @@ def _keep(work: FloatArray, source: int, target: int) -> None:
             work[i, target + j] = work[i, source + j]
 
 
+@inline_kernel
+def _to_border(work: FloatArray) -> tuple[float, float]:
+    """Return what v[:5] may be divided by, and an even pressure's normal force that the forces can spare."""
+    k = work.shape[0]
+    reach, spare = 0.0, 1e300
+    for i in range(k):
+        slide = math.sqrt(work[i, S + 1] ** 2 + work[i, S + 2] ** 2 + work[i, S + 3] ** 2)
+        reach = max(reach, slide + 1.0 - work[i, S])
+        friction = math.sqrt(work[i, X + 1] ** 2 + work[i, X + 2] ** 2 + work[i, X + 3] ** 2)
+        spare = min(spare, work[i, X] - friction)
+    return reach, k * spare
+
+
 @kernel
 def need(
     table: FloatArray, start: FloatArray, radius: float, W: FloatArray, level: float, v: FloatArray,
@@ -65,6 +78,16 @@ def need(
             high += work[i, X]
         if low > level:
             return OUTSIDE, low, high
+        if low < level < high:  # farther along: the border is nearer than the iterates say
+            reach, spare = _to_border(work)
+            if low > level * reach:
+                for j in range(5):
+                    v[j] /= reach
+                return OUTSIDE, low / reach, high
+            if high - spare <= level:
+                for i in range(k):
+                    work[i, X] -= spare / k
+                high -= spare
         if high <= level or high - low < LATE:
             rest_of(table, 1.0, radius, 0.0, W, v, work, rest)
             high += lacking(start, rest, k)

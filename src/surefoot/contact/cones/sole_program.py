@@ -30,9 +30,9 @@ NEARLY_ALL = 0.99
 
 # columns of a corner's row in the table
 QX, QY, LX, LY = 0, 1, 2, 3
-# columns of a corner's row in the work: x, s, steps of both, the scaling point, 1 / beta, the corrector,
+# columns of a corner's row in the work: x, s, steps of both, the scaling point, 1 / beta², the corrector,
 # and an x set aside
-X, S, DX, DS, POINT, BETA, RIGHT, DET_X, DET_S, KEPT, WORK = 0, 4, 8, 12, 16, 20, 21, 25, 26, 27, 31
+X, S, DX, DS, POINT, FACTOR, RIGHT, DET_X, DET_S, KEPT, WORK = 0, 4, 8, 12, 16, 20, 21, 25, 26, 27, 31
 
 
 @inline_kernel
@@ -70,34 +70,38 @@ def _det(work: FloatArray, i: int, at: int) -> float:
 
 @inline_kernel
 def _scaling(work: FloatArray, i: int) -> bool:
-    """Set the scaling point and 1 / beta of one corner; False where an iterate is on the border."""
+    """Set the scaling point and 1 / beta² of one corner; False where an iterate is on the border."""
     dx, ds = _det(work, i, X), _det(work, i, S)
     if not (dx > 0.0 and ds > 0.0):
         return False
     work[i, DET_X], work[i, DET_S] = dx, ds
-    a, b = 1.0 / math.sqrt(dx), 1.0 / math.sqrt(ds)
     dot = (
         work[i, X] * work[i, S]
         + work[i, X + 1] * work[i, S + 1]
         + work[i, X + 2] * work[i, S + 2]
         + work[i, X + 3] * work[i, S + 3]
     )
-    half = 0.5 / math.sqrt(0.5 * (1.0 + a * b * dot))
-    # w = (s / √det s + J x / √det x) / (2 γ): W² x = s for W = P(w) beta
-    work[i, POINT] = half * (b * work[i, S] + a * work[i, X])
+    # w = (s / √det s + J x / √det x) / (2 γ), γ² = (1 + x.s / √(det x det s)) / 2: W² x = s for W = P(w) beta
+    inverse = 1.0 / math.sqrt(dx * ds)
+    of_s = math.sqrt(0.5 / (ds * (1.0 + inverse * dot)))
+    of_x = of_s * ds * inverse
+    work[i, POINT] = of_s * work[i, S] + of_x * work[i, X]
     for j in range(1, 4):
-        work[i, POINT + j] = half * (b * work[i, S + j] - a * work[i, X + j])
-    work[i, BETA] = math.sqrt(b / a)
+        work[i, POINT + j] = of_s * work[i, S + j] - of_x * work[i, X + j]
+    work[i, FACTOR] = dx * inverse
     return True
 
 
 @inline_kernel
 def _arrow(
-    w0: float, w1: float, w2: float, w3: float, x0: float, x1: float, x2: float, x3: float
+    w0: float, w1: float, w2: float, w3: float, over: float, x0: float, x1: float, x2: float, x3: float
 ) -> tuple[float, float, float, float]:
-    """Return the product of the matrix of the scaling point w with x, W / beta; J w gives the inverse."""
+    """Return the product of the matrix of the scaling point w with x, W / beta; J w gives the inverse.
+
+    `over` is 1 / (1 + w0).
+    """
     dot = w1 * x1 + w2 * x2 + w3 * x3
-    share = x0 + dot / (1.0 + w0)
+    share = x0 + dot * over
     return w0 * x0 + dot, x1 + w1 * share, x2 + w2 * share, x3 + w3 * share
 
 
@@ -107,7 +111,7 @@ def _add_hessian(
 ) -> None:
     """Add C^T W^-2 C to H (n, n), lower triangle: W^-2 = (2 a a^T - J) / beta², a = J w."""
     qx, qy, lx, ly = table[i, QX], table[i, QY], table[i, LX], table[i, LY]
-    f = work[i, BETA] ** 2
+    f = work[i, FACTOR]
     a0, a1, a2, a3 = work[i, POINT], -work[i, POINT + 1], -work[i, POINT + 2], -work[i, POINT + 3]
     # rows of C^T a, and what the form has beside them
     g0, g1, g2, g3 = mu * a1, mu * a2, lx * a0, ly * a0
@@ -182,7 +186,7 @@ def _direction(
         s1, s2 = mu * (y0 - table[i, QY] * y4), mu * (y1 + table[i, QX] * y4)
         s3 = mu * radius * y4
         # Δx = W^-1 (λ \ d) - W^-2 Δs, with W^-2 = (2 a a^T - J) / beta², a = J w
-        f = work[i, BETA] ** 2
+        f = work[i, FACTOR]
         a0, a1, a2, a3 = work[i, POINT], -work[i, POINT + 1], -work[i, POINT + 2], -work[i, POINT + 3]
         dot = 2.0 * f * (a0 * s0 + a1 * s1 + a2 * s2 + a3 * s3)
         x0 = work[i, RIGHT] - a0 * dot + f * s0
@@ -203,23 +207,28 @@ def _direction(
 @inline_kernel
 def _corrector(work: FloatArray, i: int, centre: float) -> None:
     r"""Set `RIGHT` to W^-1 (λ \ d), d = centre e - λ∘λ - (W^-1 Δs)∘(W Δx) of the steps that are there."""
-    inverse, beta = work[i, BETA], 1.0 / work[i, BETA]
     w0, w1, w2, w3 = work[i, POINT], work[i, POINT + 1], work[i, POINT + 2], work[i, POINT + 3]
-    # λ = W x, and the steps in its coordinates, one of them without its beta and one with both
-    l0, l1, l2, l3 = _arrow(w0, w1, w2, w3, work[i, X], work[i, X + 1], work[i, X + 2], work[i, X + 3])
-    p0, p1, p2, p3 = _arrow(w0, -w1, -w2, -w3, work[i, DS], work[i, DS + 1], work[i, DS + 2], work[i, DS + 3])
-    r0, r1, r2, r3 = _arrow(w0, w1, w2, w3, work[i, DX], work[i, DX + 1], work[i, DX + 2], work[i, DX + 3])
-    l0, l1, l2, l3 = beta * l0, beta * l1, beta * l2, beta * l3
+    over = 1.0 / (1.0 + w0)
+    # λ / beta, and the steps in its coordinates, one of them without its beta and one with both
+    l0, l1, l2, l3 = _arrow(w0, w1, w2, w3, over, work[i, X], work[i, X + 1], work[i, X + 2], work[i, X + 3])
+    p0, p1, p2, p3 = _arrow(
+        w0, -w1, -w2, -w3, over, work[i, DS], work[i, DS + 1], work[i, DS + 2], work[i, DS + 3]
+    )
+    r0, r1, r2, r3 = _arrow(
+        w0, w1, w2, w3, over, work[i, DX], work[i, DX + 1], work[i, DX + 2], work[i, DX + 3]
+    )
     d0 = centre - (p0 * r0 + p1 * r1 + p2 * r2 + p3 * r3)
     d1, d2, d3 = -(p0 * r1 + r0 * p1), -(p0 * r2 + r0 * p2), -(p0 * r3 + r0 * p3)
-    # z = λ \ d
-    size = math.sqrt(l1 * l1 + l2 * l2 + l3 * l3)
-    z0 = (l0 * d0 - l1 * d1 - l2 * d2 - l3 * d3) / ((l0 - size) * (l0 + size))
-    z1, z2, z3 = (d1 - z0 * l1) / l0, (d2 - z0 * l2) / l0, (d3 - z0 * l3) / l0
-    # less λ for the part -λ∘λ
-    r0, r1, r2, r3 = _arrow(w0, -w1, -w2, -w3, z0 - l0, z1 - l1, z2 - l2, z3 - l3)
-    work[i, RIGHT], work[i, RIGHT + 1] = inverse * r0, inverse * r1
-    work[i, RIGHT + 2], work[i, RIGHT + 3] = inverse * r2, inverse * r3
+    # beta z of z = λ \ (d + λ∘λ), by det(λ / beta) = det x
+    both = 1.0 / (work[i, DET_X] * l0)
+    z0 = (l0 * d0 - l1 * d1 - l2 * d2 - l3 * d3) * both * l0
+    both *= work[i, DET_X]
+    z1, z2, z3 = (d1 - z0 * l1) * both, (d2 - z0 * l2) * both, (d3 - z0 * l3) * both
+    # and W^-1 (z - λ) = W^-1 z - x
+    f = work[i, FACTOR]
+    r0, r1, r2, r3 = _arrow(w0, -w1, -w2, -w3, over, z0, z1, z2, z3)
+    work[i, RIGHT], work[i, RIGHT + 1] = f * r0 - work[i, X], f * r1 - work[i, X + 1]
+    work[i, RIGHT + 2], work[i, RIGHT + 3] = f * r2 - work[i, X + 2], f * r3 - work[i, X + 3]
 
 
 @inline_kernel
@@ -323,7 +332,7 @@ def begin(
         v[j] = 0.0
     v[5] = 1.0
     for i in range(k):
-        work[i, X] += 2.0 * short + 0.1 * size
+        work[i, X] += 1.5 * short + 0.1 * size
         for j in range(4):
             work[i, S + j] = 0.0
         work[i, S] = 1.0

@@ -13,6 +13,7 @@ from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError, shown
 from surefoot.contact import Sole
 from surefoot.mechanics.robot.catalog import CatalogEntry
+from surefoot.mechanics.robot.frames import frame_index
 from surefoot.mechanics.robot.outlines import area_of, centroid_of, hull_of, inner_rectangle
 
 EXACT = 1e-6
@@ -127,7 +128,7 @@ def shaped_foot(
     model: Any, name: str, centres: Sequence[tuple[float, float, float]], radius: float, why: str = ""
 ) -> Foot:
     """Return the foot at a frame with the given (k, 3) sphere centres in that frame and radius [m]."""
-    return Foot(name, model.getFrameId(name), np.array(centres, dtype=np.float64), radius, why)
+    return Foot(name, frame_index(model, name), np.array(centres, dtype=np.float64), radius, why)
 
 
 def catalog_feet(model: Any, entry: CatalogEntry, names: Sequence[str]) -> tuple[Foot, ...]:

@@ -13,6 +13,7 @@ from surefoot.base.errors import ModelError
 from surefoot.mechanics.robot.foot import DEFAULT_RADIUS, Foot
 from surefoot.mechanics.robot.foot_parts import FootPart, disc_points, foot_part
 from surefoot.mechanics.robot.foot_shape import BAND, SHADOW, FootShapeReading, foot_shape
+from surefoot.mechanics.robot.frames import frame_index
 from surefoot.mechanics.robot.outlines import area_of, hull_of
 
 SHOWN = 3
@@ -22,7 +23,11 @@ LEAST_EXPLAINED = 0.3
 """Share of the shape's area that a reading must explain; less is a guess."""
 
 
-class FootGuess(ModelError):
+class FootUnread(ModelError):
+    """A foot whose shape is not known."""
+
+
+class FootGuess(FootUnread):
     """A foot whose shape says too little of where it stands."""
 
 
@@ -55,7 +60,8 @@ def read_feet(source: FootSource, names: Sequence[str], q: FloatArray) -> tuple[
     Raises
     ------
     ModelError
-        For a foot whose shape is missing, or explained by less than `LEAST_EXPLAINED`.
+        For a foot whose shape is missing, explained by less than `LEAST_EXPLAINED`, or of no shape
+        beside a sole.
     """
     if not names:
         return ()
@@ -63,11 +69,25 @@ def read_feet(source: FootSource, names: Sequence[str], q: FloatArray) -> tuple[
 
     data = source.model.createData()
     pinocchio.framesForwardKinematics(source.model, data, q)
-    return tuple(_foot(source, name, data) for name in names)
+    feet = tuple(_foot(source, name, data) for name in names)
+    bare = [foot for foot in feet if foot.why == _describe_ball(foot.name)]
+    soles = [foot for foot in feet if foot.flat]
+    if bare and soles:
+        raise FootUnread(
+            f"the foot {bare[0].name} has no shape, while {soles[0].name} is {soles[0].size_words}: a ball "
+            "would be a guess. Give it the shape of the other, or name the link that touches the ground"
+        )
+    return feet
 
 
-def reading_notes(feet: Sequence[Foot], missing: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
-    """Return what a run tells of a reading: a line for feet that are alike, one for missing meshes."""
+def _describe_ball(name: str) -> str:
+    return f"{name}: a ball of {1e3 * DEFAULT_RADIUS:.0f} mm radius is assumed, as nothing there has a shape"
+
+
+def reading_notes(
+    feet: Sequence[Foot], missing: Mapping[str, Sequence[str]], ranged: Sequence[str] = ()
+) -> tuple[str, ...]:
+    """Return what a run tells of a reading: feet that are alike, missing meshes, joints without a range."""
     alike: dict[str, list[str]] = {}
     for foot in feet:
         alike.setdefault(foot.why.removeprefix(f"{foot.name}: "), []).append(foot.name)
@@ -76,27 +96,28 @@ def reading_notes(feet: Sequence[Foot], missing: Mapping[str, Sequence[str]]) ->
     if lost:
         more = f" and {len(lost) - SHOWN} more" if len(lost) > SHOWN else ""
         lines.append(f"meshes that are not there, whose shapes are left out: {', '.join(lost[:SHOWN])}{more}")
+    if ranged:
+        more = f" and {len(ranged) - SHOWN} more" if len(ranged) > SHOWN else ""
+        joints = ", ".join(ranged[:SHOWN])
+        lines.append(f"joints without a range in the file, taken for half a turn either way: {joints}{more}")
     return tuple(lines)
 
 
 def _foot(source: FootSource, name: str, data: Any) -> Foot:
     """Return the foot at a frame, placed as Pinocchio's Data has it."""
     model = source.model
-    rotation_world_foot = np.array(data.oMf[model.getFrameId(name)].rotation)
+    rotation_world_foot = np.array(data.oMf[frame_index(model, name)].rotation)
     up = rotation_world_foot[2]
     items, whose = _items(source, name)
     lost = _missing_of(source, name)
     if not items:
         if lost:
-            raise ModelError(
+            raise FootUnread(
                 f"the foot {name} cannot be read: its shape is {_mesh_names(lost)}, which is not there. Put "
                 "the file where the model looks for it, or give the foot spheres or a box"
             )
-        why = (
-            f"{name}: a ball of {1e3 * DEFAULT_RADIUS:.0f} mm radius is assumed, as nothing there has a shape"
-        )
-        return Foot(name, model.getFrameId(name), np.zeros((1, 3)), DEFAULT_RADIUS, why)
-    place = model.frames[model.getFrameId(name)].placement
+        return Foot(name, frame_index(model, name), np.zeros((1, 3)), DEFAULT_RADIUS, _describe_ball(name))
+    place = model.frames[frame_index(model, name)].placement
 
     def parts_at(vertical: FloatArray) -> list[FootPart]:
         return [p for item in items if (p := foot_part(item, place.actInv(item.placement), vertical))]
@@ -118,12 +139,12 @@ def _frame(model: Any, name: str, shape: FootShapeReading) -> int:
     """Return the frame in whose axes a contact is, which is made where the foot's own is not level."""
     import pinocchio
 
-    frame = model.getFrameId(name)
+    frame = frame_index(model, name)
     if np.array_equal(shape.axes, np.eye(3)):
         return int(frame)
     own, title = model.frames[frame], f"{name} sole"
     if model.existFrame(title):
-        return int(model.getFrameId(title))
+        return frame_index(model, title)
     place = own.placement * pinocchio.SE3(shape.axes, np.zeros(3))
     return int(
         model.addFrame(pinocchio.Frame(title, own.parentJoint, frame, place, pinocchio.FrameType.OP_FRAME))
@@ -138,7 +159,7 @@ def _neighbours(
     A contact moves with one joint: of a heel and a toe it has the part that the foot's name is on.
     """
     model = source.model
-    frame = model.getFrameId(name)
+    frame = frame_index(model, name)
     joint, pose = int(model.frames[frame].parentJoint), data.oMf[frame]
     near = [k for k in range(1, model.njoints) if joint in (int(model.parents[k]), k)]
     near = [k for k in {*near, int(model.parents[joint])} if k not in (0, joint)]
@@ -173,7 +194,7 @@ def _lowest(parts: Sequence[FootPart], up: FloatArray, height: float) -> tuple[f
 def _items(source: FootSource, name: str) -> tuple[list[Any], str]:
     """Return the GeometryObjects that are a foot, and whose they are in words."""
     model = source.model
-    frame = model.getFrameId(name)
+    frame = frame_index(model, name)
     joint = int(model.frames[frame].parentJoint)
 
     def is_own(item: Any) -> bool:
@@ -203,8 +224,19 @@ def _items(source: FootSource, name: str) -> tuple[list[Any], str]:
 
 
 def _missing_of(source: FootSource, name: str) -> list[str]:
-    """Return the meshes of a foot's own link that were not found."""
-    return list(source.missing.get(name, ()))
+    """Return the meshes that were not found of a foot's own link, or of the one that a bare frame is on."""
+    own = source.missing.get(name, ())
+    if own or not source.missing:
+        return list(own)
+    model, frame = source.model, frame_index(source.model, name)
+    if any(int(item.parentFrame) == frame for item in source.collision.geometryObjects):
+        return []
+    joint = int(model.frames[frame].parentJoint)
+    above = int(model.frames[frame].parentFrame)
+    while above and model.frames[above].type.name != "BODY":
+        above = int(model.frames[above].parentFrame)
+    same = above and int(model.frames[above].parentJoint) == joint
+    return list(source.missing.get(str(model.frames[above].name), ())) if same else []
 
 
 def _mesh_names(names: Sequence[str]) -> str:

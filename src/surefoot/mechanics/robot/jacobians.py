@@ -38,6 +38,7 @@ from numpy.typing import ArrayLike
 from surefoot.base.arrays import FloatArray, finite_array, real_number
 from surefoot.base.errors import ModelError, ProblemError, check_name, unknown_name
 from surefoot.base.spatial import rotation_log
+from surefoot.mechanics.robot.frames import frame_index
 from surefoot.mechanics.robot.robot import Robot
 from surefoot.mechanics.stance import Contact, Stance
 
@@ -129,7 +130,7 @@ def _frame_of(robot: Robot, name: str) -> int:
             return foot.frame  # a sole may have a frame of its own
     for candidate in (name, name.rpartition(".")[0]):
         if candidate and robot.model.existFrame(candidate):
-            return int(robot.model.getFrameId(candidate))
+            return frame_index(robot.model, candidate)
     with contextlib.suppress(ModelError):
         return robot.foot(name).frame  # short names, "FL" for "FL_foot"
     raise ModelError(unknown_name(f"frame of {robot.name}", name, (f.name for f in robot.model.frames)))

@@ -17,12 +17,14 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
-from surefoot.base.errors import ModelError, needs, one_line
+from surefoot.base.errors import ModelError, needs
 from surefoot.base.libraries import import_pinocchio
 from surefoot.base.spatial import quaternion_xyzw, rotation_from_quaternion
-from surefoot.mechanics.robot.mjcf_unsupported import beyond_a_tree
+from surefoot.mechanics.robot.mjcf_unsupported import beyond_a_tree, unreadable_mjcf
 from surefoot.mechanics.robot.parser_output import parser_output
 
+FREE_ENOUGH = 3
+"""Joints of the first body without motors that stand for a free base: three of a robot in a plane [-]."""
 POSES = ("home", "standing", "stand", "half_sitting")
 """Names of keyframes that are nominal poses, the first that the file has."""
 _AXES = {(1.0, 0.0, 0.0): "X", (0.0, 1.0, 0.0): "Y", (0.0, 0.0, 1.0): "Z"}
@@ -43,6 +45,8 @@ class MjcfRobot:
         (nq,) of each keyframe.
     missing_meshes
         Files of meshes that are not there, by body.
+    loose
+        Joints of the first body that no actuator moves, in a file that has actuators.
     """
 
     model: Any
@@ -50,6 +54,7 @@ class MjcfRobot:
     floating: bool
     poses: dict[str, FloatArray]
     missing_meshes: dict[str, list[str]] = field(default_factory=dict)
+    loose: tuple[str, ...] = ()
 
 
 def is_mjcf(path: Path) -> bool:
@@ -90,7 +95,7 @@ def read_mjcf(path: Path, fixed_base: bool | None) -> MjcfRobot:
         try:
             compiled, missing = compile_present(mujoco, path)
         except (ValueError, OSError) as error:
-            raise ModelError(f"{path} is not an MJCF that MuJoCo can read: {mujoco_line(error)}") from error
+            raise ModelError(unreadable_mjcf(path, error)) from error
     beyond = beyond_a_tree(mujoco, compiled)
     if beyond:
         raise ModelError(
@@ -98,11 +103,6 @@ def read_mjcf(path: Path, fixed_base: bool | None) -> MjcfRobot:
             f"it does: {'; '.join(beyond)}. A copy of the file without it can be loaded"
         )
     return replace(_Builder(mujoco, pinocchio, compiled, fixed_base, path).build(), missing_meshes=missing)
-
-
-def mujoco_line(error: Exception) -> str:
-    """Return what an error of MuJoCo says, in one line."""
-    return one_line(error).removeprefix("Error: ")
 
 
 def _root(compiled: Any, path: Path) -> int:
@@ -119,6 +119,21 @@ def _root(compiled: Any, path: Path) -> int:
         names = ", ".join(compiled.body(b).name or f"body {b}" for b in moving) or "none"
         raise ModelError(f"{path} must hold one robot, it has {len(moving)} that move: {names}")
     return moving[0]
+
+
+def check_base(robot: MjcfRobot, path: Path) -> None:
+    """Refuse a robot that would stand on feet and whose base hangs on joints without motors.
+
+    Raises
+    ------
+    ModelError
+        Where they would count as motors without limit that hold the robot in the air.
+    """
+    if len(robot.loose) >= FREE_ENOUGH and not robot.floating:
+        raise ModelError(
+            f"{path}: the base hangs on {len(robot.loose)} joints without motors, which stand for a free one "
+            f"({', '.join(robot.loose)}). Put a <freejoint/> in their place, or load it with fixed_base=True"
+        )
 
 
 class _Builder:
@@ -156,7 +171,14 @@ class _Builder:
             compiled.key(k).name: self._configuration(np.array(compiled.key_qpos[k]))
             for k in range(compiled.nkey)
         }
-        return MjcfRobot(self.model, self.collision, self.floating, poses)
+        return MjcfRobot(self.model, self.collision, self.floating, poses, loose=self._loose())
+
+    def _loose(self) -> tuple[str, ...]:
+        """Return the names of the first body's joints that no actuator moves."""
+        c, first = self.compiled, int(self.compiled.body_jntadr[self.root])
+        joints = range(first, first + int(c.body_jntnum[self.root]))
+        moved = set(np.array(c.actuator_trnid)[:, 0].tolist())
+        return tuple(c.joint(j).name or f"joint_{j}" for j in joints if c.nu and j not in moved)
 
     def _note_losses(self) -> None:
         """Note rotor inertia, damping and dry friction where ideal joints leave them out."""

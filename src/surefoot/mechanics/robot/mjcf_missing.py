@@ -32,6 +32,24 @@ def compile_present(mujoco: Any, path: Path) -> tuple[Any, dict[str, list[str]]]
     except ValueError as error:
         if _missing_file(error) is None:
             raise
+    return _without_missing(mujoco, path)[1:]
+
+
+def read_present(mujoco: Any, path: Path) -> tuple[Any, Any]:
+    """Return the MjSpec of a file and its model, without the meshes that are not there.
+
+    Raises
+    ------
+    ModelError
+        For a body whose mass would come from a mesh that is missing.
+    ValueError, OSError
+        From MuJoCo, for a file that it cannot read for another reason.
+    """
+    return _without_missing(mujoco, path)[:2]
+
+
+def _without_missing(mujoco: Any, path: Path) -> tuple[Any, Any, dict[str, list[str]]]:
+    """Return specification and model of a file without what is missing, and the missing meshes by body."""
     gone: list[str] = []
     while True:
         # a specification that failed to compile cannot be changed any more: read it again
@@ -41,7 +59,7 @@ def compile_present(mujoco: Any, path: Path) -> tuple[Any, dict[str, list[str]]]
             _drop_mesh(spec, name, path, missing)
             _drop_picture(spec, name)
         try:
-            return spec.compile(), missing
+            return spec, spec.compile(), missing
         except ValueError as error:
             file = _missing_file(error)
             if file is None or file in gone:

@@ -1,13 +1,46 @@
-"""What MJCF can say that a tree of hinges and slides with motors cannot: found, so that it is named."""
+"""What MJCF can say that a tree of hinges and slides with motors cannot, and why a file is none: in words."""
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from surefoot.base.errors import mujoco_line
+
 SHOWN = 3
 """How many of a kind are named before the rest is counted."""
+MOST_FILES, MOST_BYTES = 100, 1_000_000
+"""Files beside a model that are searched for one that includes it, at most, and their size [-, bytes]."""
+_LACKING = re.compile(r"(?:^|\s)(\w+) '([^']+)' not found")
+
+
+def unreadable_mjcf(path: Path, error: Exception) -> str:
+    """Return why a file is no model: what MuJoCo says, or that it is a part of another file, and of which."""
+    said = mujoco_line(error)
+    lacking = _LACKING.search(said)
+    if lacking is None:
+        return f"{path} is not an MJCF that MuJoCo can read: {said}"
+    kind, name = lacking.group(1), lacking.group(2)
+    wholes = _files_that_include(path)
+    which = f", {' or '.join(wholes)}" if wholes else ""
+    return (
+        f"{path} is not a whole model: it names the {kind} {name}, which it does not have. If it is a part "
+        f"of another file, load the one that includes it{which}"
+    )
+
+
+def _files_that_include(path: Path) -> list[str]:
+    """Return the files beside one that include it, by name."""
+    word = re.compile(rf"""<include\s+file=["'](?:\./)?{re.escape(path.name)}["']""")
+    found = []
+    for other in sorted(path.parent.glob("*.xml"))[:MOST_FILES]:
+        if other != path and other.stat().st_size <= MOST_BYTES:
+            text = other.read_text(encoding="utf-8", errors="replace")
+            found += [other.name] if word.search(text) else []
+    return found[:SHOWN]
 
 
 def beyond_a_tree(mujoco: Any, compiled: Any) -> list[str]:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.base.arrays import FloatArray, finite_array, of_kind
+from surefoot.base.arrays import BoolArray, FloatArray, finite_array, of_kind
 from surefoot.base.errors import ModelError
 from surefoot.base.spatial import quaternion_from_rotation, rotation_from_quaternion, rotation_log
-from surefoot.mechanics.robot.nominal import WHOLE_LEG, leg_rank
+from surefoot.mechanics.robot.nominal import WHOLE_LEG, chain, leg_rank
 from surefoot.mechanics.robot.robot import Robot
 from surefoot.mechanics.robot.sole_plane import sole_plane
 from surefoot.mechanics.terrain import FlatTerrain, Terrain
@@ -24,6 +25,26 @@ LOOSE = 1e-3
 """Weight of the place over the ground of a sole whose leg has too few joints to choose it."""
 LEANS = (1.0, 0.75, 0.5, 0.25, 0.0)
 """Shares of the way to the feet's middle that the weight is moved; the first that the legs allow."""
+
+
+MOST_HELD = 6
+"""Rounds in which joints are held at the ends of their ranges, at most [-]."""
+EDGE = 1e-6
+"""Gap [m], and way beyond the end of a range [rad, m], that are rounding."""
+
+
+@dataclass
+class _Goal:
+    """What a pose should reach: slope and base in the world, places of the feet, weight from their middle.
+
+    `holds` weighs the place of each foot over the ground.
+    """
+
+    slope: FloatArray
+    rotation: FloatArray
+    anchors: FloatArray
+    holds: list[float]
+    offset: FloatArray
 
 
 class _ShiftedTerrain(Terrain):
@@ -110,16 +131,20 @@ def place(
     of_kind("terrain", ground, Terrain)
     there = finite_array("at", at, (2,))
     seen = _ShiftedTerrain(ground, there) if there.any() else ground
-    for share in LEANS:
-        found = _place(robot, seen, robot.configuration(q), share)
-        if found is not None:
-            found[:2] += there
-            return found
+    for rounds in (1, MOST_HELD):  # joints are held at the ends of their ranges where nothing else stands
+        for share in LEANS:
+            found = _place(robot, seen, robot.configuration(q), share, rounds)
+            if found is not None:
+                found[:2] += there
+                return found
     raise ModelError(f"{robot.name} cannot stand on {ground!r}: its legs do not reach the ground there")
 
 
-def _place(robot: Robot, ground: Terrain, start: FloatArray, share: float) -> FloatArray | None:
-    """Return the pose whose weight is moved by a share of the way to the feet's middle, or None."""
+def _place(robot: Robot, ground: Terrain, start: FloatArray, share: float, rounds: int) -> FloatArray | None:
+    """Return the pose whose weight is moved by a share of the way to the feet's middle, or None.
+
+    After each round but the last, joints that are beyond their range are held at its end.
+    """
     import pinocchio
 
     level = any(foot.flat for foot in robot.feet)
@@ -136,24 +161,61 @@ def _place(robot: Robot, ground: Terrain, start: FloatArray, share: float) -> Fl
     offset = (1.0 - share) * (robot.com(start)[:2] - _support_middle(robot, ground, anchors))
     # a leg of few joints cannot choose where its sole lies level
     poor = [foot.flat and leg_rank(robot.model, foot.frame) < WHOLE_LEG for foot in robot.feet]
-    holds = [LOOSE if few else 1.0 for few in poor]
-    now = start.copy()
-    worst = np.inf
+    goal = _Goal(slope, rotation, anchors, [LOOSE if few else 1.0 for few in poor], offset)
+    held, begin = np.zeros(robot.joints, dtype=bool), start
+    for _ in range(rounds):
+        now, worst = _settle(robot, ground, goal, begin, held)
+        within = _within_ranges(robot, now)
+        beyond = np.abs(pinocchio.difference(robot.model, within, now)[6:]) > EDGE
+        if not beyond.any():
+            return now if worst < EDGE else None
+        held |= beyond
+        begin = _ends_of_ranges(robot, start, within, held)
+        for k, foot in enumerate(robot.feet):
+            joints = [robot.model.joints[j].idx_v - 6 for j in chain(robot.model, foot.frame)]
+            if foot.flat and held[joints].any():
+                goal.holds[k] = LOOSE
+    return None
+
+
+def _within_ranges(robot: Robot, q: FloatArray) -> FloatArray:
+    """Return q (nq,) with every joint in its range."""
+    out = q.copy()
+    out[7:] = np.clip(q[7:], robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:])
+    return out
+
+
+def _ends_of_ranges(robot: Robot, q: FloatArray, within: FloatArray, held: BoolArray) -> FloatArray:
+    """Return q (nq,) with the joints that are held (joints,) as they are within their ranges."""
+    out = q.copy()
+    for joint in list(robot.model.joints)[2:]:
+        if joint.nq == joint.nv and held[joint.idx_v - 6 : joint.idx_v - 6 + joint.nv].any():
+            span = slice(joint.idx_q, joint.idx_q + joint.nq)
+            out[span] = within[span]
+    return out
+
+
+def _settle(
+    robot: Robot, ground: Terrain, goal: _Goal, start: FloatArray, held: BoolArray
+) -> tuple[FloatArray, float]:
+    """Return the pose by Gauss-Newton steps of all joints that are not held, and its worst gap [m]."""
+    import pinocchio
+
+    now, worst = start.copy(), np.inf
+    lower = np.hstack([np.zeros((robot.joints, 6)), np.eye(robot.joints)])
     for _ in range(ITERATIONS):
-        residual, jacobian, worst = _miss(robot, ground, now, slope, rotation, anchors, holds, offset)
+        residual, jacobian, worst = _miss(robot, ground, now, goal)
         # Least motion of the joints subject to the pose, by weight: legs with a joint to spare keep their
         # shape.
         stay = pinocchio.difference(robot.model, start, now)[6:]
-        lower = np.hstack([np.zeros((robot.joints, 6)), np.eye(robot.joints)])
         stacked = np.vstack([POSE_WEIGHT * jacobian, lower])
+        stacked[:, 6:][:, held] = 0.0  # no step then: the least one that does as well
         wanted = np.concatenate([POSE_WEIGHT * residual, stay])
         step = np.linalg.lstsq(stacked, -wanted, rcond=None)[0]
         now = np.asarray(pinocchio.integrate(robot.model, now, step / max(1.0, 4.0 * np.abs(step).max())))
         if max(worst, np.abs(step).max()) < SETTLED:
             break
-    low, high = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
-    reached = worst < 1e-6 and np.all(now[7:] > low - 1e-6) and np.all(now[7:] < high + 1e-6)
-    return now if reached else None
+    return now, worst
 
 
 def _support_middle(robot: Robot, ground: Terrain, anchors: FloatArray) -> FloatArray:
@@ -162,26 +224,18 @@ def _support_middle(robot: Robot, ground: Terrain, anchors: FloatArray) -> Float
     return np.asarray((anchors - radii * ground.normal(anchors)[:, :2]).mean(axis=0))
 
 
-def _miss(
-    robot: Robot,
-    ground: Terrain,
-    q: FloatArray,
-    slope: FloatArray,
-    rotation: FloatArray,
-    anchors: FloatArray,
-    holds: list[float],
-    offset: FloatArray,
-) -> tuple[FloatArray, FloatArray, float]:
+def _miss(robot: Robot, ground: Terrain, q: FloatArray, goal: _Goal) -> tuple[FloatArray, FloatArray, float]:
     """Return what a pose still misses, its Jacobian, and the worst gap [m]."""
     import pinocchio
 
+    slope, rotation, anchors, offset = goal.slope, goal.rotation, goal.anchors, goal.offset
     model, data = robot.model, robot.data
     pinocchio.computeJointJacobians(model, data, q)
     pinocchio.framesForwardKinematics(model, data, q)
     pinocchio.jacobianCenterOfMass(model, data, q, False)
     aligned = pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
     rows, values, worst = [], [], 0.0
-    for foot, anchor, hold in zip(robot.feet, anchors, holds, strict=True):
+    for foot, anchor, hold in zip(robot.feet, anchors, goal.holds, strict=True):
         pose = data.oMf[foot.frame]
         J = pinocchio.getFrameJacobian(model, data, foot.frame, aligned)
         for centre in foot.centres:

@@ -18,7 +18,7 @@ from surefoot.base.libraries import import_pinocchio
 from surefoot.mechanics.robot import catalog
 from surefoot.mechanics.robot.contact_points import ContactPoints, contact_points
 from surefoot.mechanics.robot.foot import Foot, frame_names
-from surefoot.mechanics.robot.mjcf import is_mjcf, nominal_of, read_mjcf
+from surefoot.mechanics.robot.mjcf import check_base, is_mjcf, nominal_of, read_mjcf
 from surefoot.mechanics.robot.shape_loading import ShapesOfFile, mjcf_shapes, urdf_shapes
 from surefoot.mechanics.stance import Contact, PointContact, SoleContact, Stance
 from surefoot.mechanics.terrain import FlatTerrain, Terrain
@@ -294,6 +294,7 @@ def load_robot(
     from surefoot.mechanics.robot.nominal_pose import feet_and_pose, file_pose
     from surefoot.mechanics.robot.urdf import parse_urdf
     from surefoot.mechanics.robot.urdf_geometry import urdf_geometry
+    from surefoot.mechanics.robot.urdf_ranges import whole_turns
 
     feet = frame_names(feet)
     text = str(robot)
@@ -315,7 +316,8 @@ def load_robot(
     chosen = entry.feet if feet is None else tuple(feet)
     fixed = entry.fixed_base if fixed_base is None else fixed_base
     pinocchio = import_pinocchio()
-    model = parse_urdf(path, [] if fixed else [pinocchio.JointModelFreeFlyer()])
+    changed, ranged = whole_turns(path, chosen) if is_own else ("", ())
+    model = parse_urdf(path, [] if fixed else [pinocchio.JointModelFreeFlyer()], changed)
     collision, missing = urdf_geometry(model, path, pinocchio.GeometryType.COLLISION, folders)
     for joint, title in zip(list(model.joints)[1:], list(model.names)[1:], strict=True):
         if entry.unlimited and title.startswith(entry.unlimited):
@@ -328,7 +330,7 @@ def load_robot(
     source = FootSource(model, collision, visual, missing)
     found, nominal = feet_and_pose(source, chosen, file_pose(model, srdf, entry), fixed, entry)
     out = Robot(name, model, collision, visual, found, nominal, not fixed, missing)
-    out.notes = reading_notes(found, missing) if is_own else ()
+    out.notes = reading_notes(found, missing, ranged) if is_own else ()
     out.source, out.described = path, bool(entry.shapes) and set(chosen) <= set(entry.feet)
     out.keep_file(path, partial(load, "COLLISION"))
     return out
@@ -340,6 +342,8 @@ def _from_mjcf(path: Path, feet: Sequence[str], fixed_base: bool | None) -> Robo
     from surefoot.mechanics.robot.nominal_pose import FOLDED, feet_and_pose
 
     read = read_mjcf(path, fixed_base)
+    if feet and fixed_base is None:
+        check_base(read, path)
     _check_feet(read.model, feet, path)
 
     load, entry = partial(mjcf_shapes, path.resolve(), fixed_base), catalog.CatalogEntry(str(path))

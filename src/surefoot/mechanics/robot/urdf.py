@@ -11,17 +11,19 @@ from surefoot.base.errors import ModelError
 from surefoot.mechanics.robot.parser_output import parser_output
 
 
-def parse_urdf(path: Path, root: Sequence[Any]) -> Any:
+def parse_urdf(path: Path, root: Sequence[Any], text: str = "") -> Any:
     """Return the model of a URDF file; what its parser complains about is an error, never an output.
 
     The parser goes on without an inertia that it cannot read, so complaints count even if there is a model.
+    `text` is read instead of what the file has, if there is any.
     """
     import pinocchio
 
     model, why = None, ""
     with parser_output() as said:
         try:
-            model = pinocchio.buildModelFromUrdf(str(path), *root)
+            read = pinocchio.buildModelFromXML if text else pinocchio.buildModelFromUrdf
+            model = read(text or str(path), *root)
         except (ValueError, RuntimeError) as error:
             why = str(error)
     errors = [line.removeprefix("Error:").strip() for line in said if line.startswith("Error:")]

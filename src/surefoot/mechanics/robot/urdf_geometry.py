@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from surefoot.mechanics.robot.parser_output import parser_output
+from surefoot.mechanics.robot.urdf_ranges import spell_infinities
 
 UNPACKED = 3
 """Folders above a file in which a package's files are sought without the package's own folder."""
@@ -42,6 +43,7 @@ def urdf_geometry(
         tree = ElementTree.parse(path).getroot()
     except (ElementTree.ParseError, OSError, UnicodeDecodeError, LookupError):
         return pinocchio.GeometryModel(), {}
+    spell_infinities(tree)
     missing = _drop_missing(tree, tag, path, folders)
     built = _build_shapes(model, tree, kind, packages)
     if built is None:  # a mesh is there and no mesh: ask one by one

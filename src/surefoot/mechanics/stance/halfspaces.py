@@ -29,7 +29,7 @@ class HasContacts(Protocol):
     contacts: tuple[Contact, ...]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class HalfSpaces:
     """A @ forces <= b for stance feet and E @ forces = e for swing feet, over the stacked forces.
 
@@ -60,6 +60,10 @@ class HalfSpaces:
     rows: tuple[slice, ...]
     swing: tuple[bool, ...]
     pattern: RowPattern
+
+    def __repr__(self) -> str:
+        rows = f"{len(self.A)} inequalities, {len(self.E)} equations"
+        return f"HalfSpaces({rows}, {self.A.shape[1]} unknowns, {len(self.rows)} contacts)"
 
     def violation(self, forces: ArrayLike) -> float:
         """Return by how much (dim,) forces [N, N m] break the worst row [N, N m]; <= 0 within all of them."""
@@ -138,7 +142,7 @@ class HalfSpaces:
                 self.b[high] = contact.normal_max
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class TwoSidedRows:
     """lower <= A @ forces <= upper over the stacked forces, swing feet included.
 
@@ -159,6 +163,9 @@ class TwoSidedRows:
     rows: tuple[slice, ...]
     swing: tuple[bool, ...]
     pattern: RowPattern
+
+    def __repr__(self) -> str:
+        return f"TwoSidedRows({len(self.A)} rows, {self.A.shape[1]} unknowns, {len(self.rows)} contacts)"
 
     def sparse(self) -> csc_matrix:
         """Return A (m, dim) in compressed columns, with the same places whatever frames and friction are."""

@@ -129,6 +129,31 @@ class Stance(Drawn):
                 block[3:, 3:] = R
         return out
 
+    def force_rows(self, stacked: ArrayLike, axes: Axes = "contact") -> FloatArray:
+        """Return the force of each contact as a row, from forces and wrenches stacked as the grasp map's.
+
+        Parameters
+        ----------
+        stacked
+            (dim,) forces of points and wrenches of soles in contact frames [N, N m].
+        axes
+            Of what is returned: of each contact's frame (tangent, tangent, normal), or the world's.
+
+        Returns
+        -------
+        FloatArray
+            (n, 3) [N]; a sole's moment is left out.
+
+        Raises
+        ------
+        ProblemError
+            For another shape, or axes that are neither.
+        """
+        check_name("axes", axes, ("contact", "world"))
+        given = finite_array("stacked", stacked, (self.dim,))
+        rows = np.array([given[part][:3] for part in self.slices]).reshape(-1, 3)
+        return rows if axes == "contact" else np.einsum("nij,nj->ni", self.rotations.reshape(-1, 3, 3), rows)
+
     def halfspaces(
         self,
         facets: int = 8,

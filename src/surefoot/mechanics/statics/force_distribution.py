@@ -68,7 +68,7 @@ class ForceDistributor(Remembering):
         `status` is SOLVED when no force is further than this from the optimum [N] (or when double
         precision can tell no better).
     max_iterations
-        Bound on the Newton iterations.
+        Bound on the Newton iterations of the wrench; rows, as torque limits, may take 1,000 over all turns.
     torque_limit
         (joints,) largest joint torques [N·m], for calls of `solve` with a Jacobian.
 

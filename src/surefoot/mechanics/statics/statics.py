@@ -79,8 +79,8 @@ def can_stand(
     Returns
     -------
     Verdict
-        `.status`, `.feasible`, `.forces`, `.margin` [N], `.certificate`, `.reach` [N]; truthy when it can
-        stand.
+        `.status`, `.feasible`, `.forces`, `.world_forces`, `.margin` [N], `.certificate`, `.reach` [N];
+        truthy when it can stand.
 
     Raises
     ------

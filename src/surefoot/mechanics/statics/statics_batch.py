@@ -20,7 +20,8 @@ from surefoot.base.arrays import (
     of_kind,
     positive_number,
 )
-from surefoot.base.errors import ProblemError
+from surefoot.base.drawn import Drawn
+from surefoot.base.errors import ProblemError, count_of
 from surefoot.base.kernels import kernel
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics.stance import Stance
@@ -35,7 +36,7 @@ from surefoot.mechanics.statics.statics import can_stand, needed_wrench
 from surefoot.mechanics.statics.verdict import Verdict
 
 
-class Verdicts:
+class Verdicts(Drawn):
     """The answers of `can_stand_batch`; `verdicts[k]` is the `Verdict` of `can_stand`, proof included.
 
     Attributes
@@ -77,6 +78,13 @@ class Verdicts:
 
     def __repr__(self) -> str:
         return f"Verdicts({int(self.feasible.sum())} of {len(self)} possible)"
+
+    def __str__(self) -> str:
+        counts = {name: int((self.status == name).sum()) for name in ("possible", "undecided", "impossible")}
+        said = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
+        finite = self.margin[self.feasible & np.isfinite(self.margin)]
+        margins = f"; margins {finite.min():.3g} to {finite.max():.3g} N" if len(finite) else ""
+        return f"{count_of(len(self), 'stance')}: {said or 'none'}{margins}."
 
     @property
     def feasible(self) -> BoolArray:

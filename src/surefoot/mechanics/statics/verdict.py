@@ -35,9 +35,10 @@ class Verdict(Drawn):
         that only forces beyond ten thousand loads could tell apart.
     feasible
         Whether forces within every contact's friction cone and bounds were found that give the load.
-    forces
+    stacked
         (stance.dim,) contact forces (wrenches of soles) in contact frames [N, N m] with the most
-        margin, stacked in the order of the stance; None when impossible.
+        margin, stacked in the order of the stance, as `stance.grasp_map` takes them; None when impossible.
+        `forces` and `world_forces` are the forces alone, a row a contact.
     margin
         Least distance of a contact's force (of a sole corner's) to the boundary of its cone or to a
         bound [N], the largest that any forces can keep. Negative when impossible; infinite where contacts
@@ -64,11 +65,21 @@ class Verdict(Drawn):
     question: Question
     status: Literal["possible", "impossible", "undecided"]
     margin: float
-    forces: FloatArray | None = None
+    stacked: FloatArray | None = None
     certificate: FloatArray | None = None
     corner_forces: FloatArray | None = None
     multipliers: FloatArray = field(default_factory=lambda: _NONE)
     reach: float = 0.0
+
+    @property
+    def forces(self) -> FloatArray | None:
+        """(n, 3) force of each contact in its frame [N]: tangent, tangent, normal; None when impossible."""
+        return None if self.stacked is None else self.stance.force_rows(self.stacked)
+
+    @property
+    def world_forces(self) -> FloatArray | None:
+        """(n, 3) force of each contact in world axes [N]; None when impossible."""
+        return None if self.stacked is None else self.stance.force_rows(self.stacked, "world")
 
     @property
     def feasible(self) -> bool:
@@ -132,9 +143,9 @@ class Verdict(Drawn):
 
     def by_contact(self) -> list[FloatArray]:
         """Return each contact's force (3,) or wrench (6,) [N, N m] in its frame, in the stance's order."""
-        if self.forces is None:
+        if self.stacked is None:
             return []
-        return [self.forces[part] for part in self.stance.slices]
+        return [self.stacked[part] for part in self.stance.slices]
 
     def verify(self, tol: float = 1e-9) -> bool:
         """Check the proof with two matrix products; an undecided verdict has none.
@@ -161,23 +172,23 @@ class Verdict(Drawn):
         return mu / np.cos(np.pi / self.facets) if self.facets is not None and self.fit == "outer" else mu
 
     def _forces_hold(self, tol: float) -> bool:
-        if self.forces is None or self.corner_forces is None or not np.all(np.isfinite(self.forces)):
+        if self.stacked is None or self.corner_forces is None or not np.all(np.isfinite(self.stacked)):
             return False
         if not len(self.stance):
             return not np.any(self.load)
         size, scales = self._scales(self.stance.points().grasp_map(self.com))
-        rest = self.stance.grasp_map(self.com) @ self.forces - self.load
+        rest = self.stance.grasp_map(self.com) @ self.stacked - self.load
         corners, mu = self.corner_forces, self._friction()
         side = np.hypot(corners[:, 0], corners[:, 1])
         outside = np.maximum(-corners[:, 2], (side - mu * corners[:, 2]) / np.hypot(1.0, mu))
         # The cones are those of the corners: they say nothing of forces that are not the corners' sums.
-        apart = np.abs(self.stance.corner_map @ corners.ravel() - self.forces)
+        apart = np.abs(self.stance.corner_map @ corners.ravel() - self.stacked)
         reach = size * np.linalg.norm(self.stance.corner_map, axis=1)
         inside = bool(np.all(outside <= 2.0 * tol * size)) and bool(np.all(apart <= 10.0 * tol * reach))
         if self.limits is not None:
             rows, bound = self.limits.rows, self.limits.bound
             reach = np.maximum(size * np.linalg.norm(rows, axis=1), np.abs(bound))
-            inside &= bool(np.all(rows @ self.forces - bound <= 2.0 * tol * reach))
+            inside &= bool(np.all(rows @ self.stacked - bound <= 2.0 * tol * reach))
         return inside and bool(np.all(np.abs(rest) <= 10.0 * tol * scales))
 
     def _certificate_holds(self) -> bool:

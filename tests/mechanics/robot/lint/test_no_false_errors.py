@@ -44,6 +44,13 @@ def test_a_robot_of_another_size_altogether_has_no_error(factor: float, tmp_path
     assert found.ok, str(found)
 
 
+def test_a_link_whose_shape_has_a_name_has_a_shape(tmp_path: Path) -> None:
+    path = tmp_path / "dog.xml"
+    path.write_text(models.mjcf())
+    found = lint_of(str(path), models.FEET.replace("_foot", "_calf"))
+    assert "foot-without-shape" not in {one.rule for one in found.findings}
+
+
 def test_a_cart_without_feet_has_no_error(tmp_path: Path) -> None:
     wheels = re.sub(r'type="revolute"', 'type="continuous"', models.urdf())
     path = tmp_path / "cart.urdf"

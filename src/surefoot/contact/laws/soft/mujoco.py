@@ -81,12 +81,15 @@ class MujocoLaw(SoftLaw):
             return 1.0 / (largest * time * second) ** 2, 2.0 / (largest * time)
         return -first / largest**2, -second / largest
 
+    @property
+    def bounded_solimp(self) -> tuple[float, float, float, float, float]:
+        """Return solimp [-, -, m, -, -] within the bounds that MuJoCo puts on it."""
+        low, high, width, middle, power = self.solimp
+        return _limit_impedance(low), _limit_impedance(high), width, _limit_impedance(middle), max(power, 1.0)
+
     def impedance(self, depth: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return d(r) and its derivative by depth [1/m] at (...,) depths [m]."""
-        low, high, width, middle, power = self.solimp
-        low, high = _limit_impedance(low), _limit_impedance(high)
-        middle = min(max(middle, IMPEDANCE_RANGE[0]), IMPEDANCE_RANGE[1])
-        power = max(power, 1.0)
+        low, high, width, middle, power = self.bounded_solimp
         if low == high or width <= 1e-15:
             return np.full(np.shape(depth), 0.5 * (low + high)), np.zeros(np.shape(depth))
         # Two powers that meet at (middle, middle) with one slope: y = m (x / m)^p below the midpoint m, and

@@ -33,19 +33,26 @@ from surefoot.contact.solvers.dual_newton.dense import (
     VALUE,
     minimise,
 )
+from surefoot.contact.solvers.dual_newton.row_proofs import (
+    HEAVY,
+    LAST,
+    LIGHT,
+    MOVED,
+    MULTIPLIER,
+    ROUNDING,
+    Program,
+    gap_of_rows,
+    proves_empty,
+)
 from surefoot.contact.solvers.dual_newton.wrench_distribution import RELATIVE, distribute_wrench
 
 RowsWork = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
-Program = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
-"""columns, sets, points, duals and H of `dense.minimise`, with the rows last among sets and duals."""
-
-# columns of `rows`, one each: roots of the weights of T f - q and of q, multiplier, q, the multiplier's move
-HEAVY, LIGHT, MULTIPLIER, LAST, MOVED = 0, 1, 2, 3, 4
 TURNS, STUBBORN, RAISE, ALMOST_KEPT = 30, 3, 10.0, 1e-6
 LEAST = 1.0 - 1e-6  # share of the last violation from which an empty set's least violation is reached
 HEAVINESS, LIGHTNESS = 100.0, 1e-3  # weights of T f - q and of q, against those of the wrench and of f
 INSET = 1e-9  # the rows are kept this much inside their limits, so that they hold in spite of rounding
 WIDEST_INSET = 1e-5  # ... or, where rounding is worse than that, up to this much
+LEAST_ITERATIONS = 1000.0  # that the rows may take, over all turns: many points that share a joint took 330
 TRIES = 3
 
 
@@ -85,37 +92,12 @@ def _update(program: Program, rows: FloatArray) -> tuple[float, float]:
         multiplier = duals[DUAL, a] * rows[j, HEAVY]  # y of `dense` is the multiplier over the row's root
         rows[j, MOVED] = multiplier - rows[j, MULTIPLIER]
         rows[j, MULTIPLIER], rows[j, LAST] = multiplier, q
-    return violation, shift
-
-
-@kernel
-def _proves_empty(columns: FloatArray, sets: FloatArray, rows: FloatArray) -> bool:
-    """Tell whether MOVED separates every T f from every q: max over f, q of MOVED . (T f - q) < 0."""
-    count = rows.shape[0]
-    contacts = sets.shape[0] - count
-    m = columns.shape[1]
-    total = scale = 0.0
-    for k in range(contacts):
-        x = y = z = 0.0
-        for j in range(count):
-            a, s = m - count + j, rows[j, MOVED] / rows[j, HEAVY]
-            x += columns[3 * k, a] * s
-            y += columns[3 * k + 1, a] * s
-            z += columns[3 * k + 2, a] * s
-        # max of v·f over ||f_t|| <= mu f_z, low <= f_z <= high: f_z (v_z + mu ||v_t||) at an end of f_z
-        gain = z + sets[k, MU] * math.sqrt(x * x + y * y)
-        reach = sets[k, HIGH] if gain > 0.0 else sets[k, LOW]
-        if reach > 0.0:
-            total += gain * reach
-            scale += abs(gain) * reach
+    # what is left of rows that have no part in the direction: rounding, which an endless force would multiply
+    least = ROUNDING * np.abs(rows[:, MOVED]).max()
     for j in range(count):
-        s = rows[j, MOVED]
-        if s != 0.0:
-            # max of -s q over low <= q <= high
-            end = sets[contacts + j, LOW if s > 0.0 else HIGH] / rows[j, LIGHT]
-            total -= s * end
-            scale += abs(s * end)
-    return total < -1e-9 * scale
+        if abs(rows[j, MOVED]) <= least:
+            rows[j, MOVED] = 0.0
+    return violation, shift
 
 
 @kernel
@@ -151,7 +133,7 @@ def _keep_rows(
         still = still + 1 if violation > max(row_tol, (LEAST if empty else 0.95) * last) else 0
         # multipliers that grow along a separating direction: no force fits,
         # and what is left is the least violation
-        empty = empty or (violation > row_tol and _proves_empty(columns, sets, rows))
+        empty = empty or (violation > row_tol and proves_empty(columns, sets, rows))
         if iterations >= limit or (empty and still >= STUBBORN):
             break
         if still >= STUBBORN and raised < 4:  # feasible, it seems, but with multipliers far away
@@ -284,8 +266,9 @@ def _solve_rows(
             program, rows, tol, INSET if restoring else margin, limit
         )
         iterations, tries = iterations + used, tries + 1
+        empty = none  # the proof speaks of rows and cones alone, whatever is asked beside them
         if not restoring:
-            solved, empty = settled, none
+            solved = settled
             error = math.inf if empty else reached  # there is no optimum to be near
             margin = 4.0 * violation  # rounding allows no better: stay inside by more than that
         if settled or empty:
@@ -294,43 +277,6 @@ def _solve_rows(
         if not restoring and (tries == TRIES or violation > WIDEST_INSET):
             restoring, tries, error = True, 0, math.inf
     return error, iterations, solved, empty
-
-
-@kernel
-def _gap_of_rows(program: Program, rows: FloatArray, low: FloatArray, high: FloatArray) -> float:
-    """Return twice the duality gap of the forces at hand, for rows that end at low and high (rows,).
-
-    With m the rows' multipliers and y the wrench's, the forces are f = Π(c + Bᵀ y + Tᵀ m) as they were
-    computed, so that of the gap are left ½ ||y + B f - b||² and, row by row, what complementarity lacks:
-    m_j (T f - low)_j, or -m_j (high - T f)_j. A row whose multiplier is next to nothing may be left out
-    instead, for half of ||T_jᵀ m_j||² (the norms of several add up first).
-    """
-    columns, _, points, duals, _ = program
-    count, m = rows.shape[0], duals.shape[1]
-    total = 0.0
-    for a in range(m - count):
-        rest = duals[DUAL, a] - duals[TARGET, a]
-        for i in range(columns.shape[0]):
-            rest += columns[i, a] * points[VALUE, i]
-        total += rest * rest
-    left_out = 0.0
-    for j in range(count):
-        a, value, size = m - count + j, 0.0, 0.0
-        for i in range(columns.shape[0]):
-            value += columns[i, a] * points[VALUE, i]
-            size += columns[i, a] ** 2
-        value /= rows[j, HEAVY]
-        multiplier = rows[j, MULTIPLIER]
-        norm = abs(multiplier) * math.sqrt(size) / rows[j, HEAVY]
-        slack = abs(value - low[j]) if multiplier > 0.0 else abs(high[j] - value)
-        lacking = abs(multiplier) * slack if multiplier != 0.0 else 0.0
-        # whichever bound is smaller: next to no multiplier on a row far
-        # from its limit would count by its slack
-        if 2.0 * lacking <= norm * norm:
-            total += 2.0 * lacking
-        else:
-            left_out += norm
-    return total + left_out * left_out
 
 
 @inline_kernel
@@ -372,7 +318,7 @@ def distribute_with_rows(
         rows[:, LAST] = 0.0
         for a in range(6):
             duals[DUAL, a] = work[contacts, base.DUAL + a]
-    tol, limit = work[results, base.TOLERANCE] ** 2, max(work[results, base.LIMIT], 200.0)
+    tol, limit = work[results, base.TOLERANCE] ** 2, max(work[results, base.LIMIT], LEAST_ITERATIONS)
     error, iterations, solved, empty = _solve_rows(
         wrench, jacobian, low, high, work, (columns, sets, points, duals, H), rows, tol, limit
     )
@@ -388,7 +334,7 @@ def distribute_with_rows(
     # the bound on the error counts the inset of the rows; forces that break a row have no such bound
     proven = math.inf
     if solved and violation <= 0.0:
-        proven = max(error, _gap_of_rows((columns, sets, points, duals, H), rows, low, high))
+        proven = max(error, gap_of_rows((columns, sets, points, duals, H), rows, low, high))
     left = base.measure(work, contacts, missing, proven)
     work[results, base.ROW_VIOLATION] = violation
     work[results, base.ITERATIONS] += iterations

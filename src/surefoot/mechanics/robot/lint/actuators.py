@@ -8,6 +8,9 @@ from collections.abc import Iterator
 from surefoot.mechanics.robot.lint.finding import Offence, Rule
 from surefoot.mechanics.robot.lint.subject import Subject
 
+PLANAR = 3
+"""Joints without motors between the world and the first body that stand for a free base, at least [-]."""
+
 
 def _jointless(subject: Subject) -> Iterator[Offence]:
     names = {joint.name for joint in subject.facts.joints}
@@ -23,8 +26,17 @@ def _unmoved_joints(subject: Subject) -> Iterator[Offence]:
     if facts.format != "mjcf" or not facts.actuators:
         return
     driven = {actuator.joint for actuator in facts.actuators}
-    for joint in facts.joints:
-        if joint.moves and joint.name not in driven:
+    unmoved = [joint for joint in facts.joints if joint.moves and joint.name not in driven]
+    of_base = [joint for joint in unmoved if joint.parent == "world"]
+    if len(of_base) >= PLANAR:
+        named = ", ".join(joint.name for joint in of_base)
+        severity = "error" if {joint.name for joint in of_base} & set(subject.leg_joints) else ""
+        detail = f"{named} stand for a free base, and are none here: the base counts as bolted down"
+        yield Offence(
+            f"link {of_base[0].child}", f"{len(of_base)} joints without actuators", detail, severity
+        )
+    for joint in unmoved:
+        if joint not in of_base or len(of_base) < PLANAR:
             severity = "error" if joint.name in subject.leg_joints else ""
             yield Offence(
                 f"joint {joint.name}", "no actuator", "controllers take it as a motor without limit", severity
@@ -61,7 +73,7 @@ ACTUATOR_RULES = (
         "joint-without-actuator",
         "joints of an MJCF that has actuators",
         "warning",
-        "Add an actuator, or make the joint a weld.",
+        "Add an actuator, or make the joint a weld; joints in place of a free base are a <freejoint/>.",
         _unmoved_joints,
     ),
     Rule(

@@ -38,15 +38,25 @@ def _shapeless_feet(subject: Subject) -> Iterator[Offence]:
     robot = subject.robot
     if robot is None or subject.described:
         return
-    shaped = {int(item.parentFrame) for item in robot.collision.geometryObjects}
+    shaped = {name for item in robot.collision.geometryObjects for name in _owners(robot, item)}
     lacking = {
         shape.link for shape in subject.facts.shapes if shape.text and shape.file is None and shape.collides
     }
     for foot in robot.feet:
-        if foot.frame not in shaped:
+        if foot.name not in shaped:
             severity = "error" if foot.name in lacking else ""
             why = "its mesh is missing" if foot.name in lacking else "its link has no collision shape"
             yield Offence(f"foot {foot.name}", foot.size_words, f"a guess: {why}", severity)
+
+
+def _owners(robot: Any, item: Any) -> tuple[str, ...]:
+    """Return the names of a shape's frame and, where it is its own (named shapes of an MJCF), of its link.
+
+    By name, as a sole that was read from its link's shapes has another frame, level, beside the link's.
+    """
+    own = robot.model.frames[item.parentFrame]
+    link = robot.model.frames[own.parentFrame] if own.type.name == "OP_FRAME" else own
+    return str(own.name), str(link.name)
 
 
 def _unlike_feet(subject: Subject) -> Iterator[Offence]:

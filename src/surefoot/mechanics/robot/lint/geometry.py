@@ -40,8 +40,10 @@ def _impossible_sizes(subject: Subject) -> Iterator[Offence]:
         scaled = shape.kind == "mesh"
         if np.isfinite(sizes).all() and ((sizes == 0.0).any() if scaled else (sizes <= 0.0).any()):
             value = f"{shape.kind} {'scale ' if scaled else ''}{_list(sizes)}"
-            severity = "error" if shape.collides else "warning"
-            yield Offence(f"link {shape.link}", value, "no shape has it", severity)
+            point = shape.kind == "sphere" and not sizes.any() and subject.facts.format == "urdf"
+            severity = "error" if shape.collides and not point else "warning"
+            detail = "some engines take it for a point, others refuse it" if point else "no shape has it"
+            yield Offence(f"link {shape.link}", value, detail, severity)
 
 
 def _sizes_off(subject: Subject) -> Iterator[Offence]:

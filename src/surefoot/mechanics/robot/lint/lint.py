@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.base.errors import ModelError, ProblemError, needs, one_line
+from surefoot.base.errors import ModelError, ProblemError, mujoco_line, needs, one_line
 from surefoot.mechanics.robot import catalog
 from surefoot.mechanics.robot.lint.facts import Fault, ModelFacts
 from surefoot.mechanics.robot.lint.finding import Lint
@@ -17,7 +17,7 @@ from surefoot.mechanics.robot.lint.rules import apply_rules
 from surefoot.mechanics.robot.lint.softness import find_sinking
 from surefoot.mechanics.robot.lint.subject import Subject
 from surefoot.mechanics.robot.lint.urdf_facts import urdf_facts
-from surefoot.mechanics.robot.mjcf import is_mjcf, mujoco_line
+from surefoot.mechanics.robot.mjcf import is_mjcf
 from surefoot.mechanics.robot.model_size import check_size
 from surefoot.mechanics.robot.parser_output import parser_output
 

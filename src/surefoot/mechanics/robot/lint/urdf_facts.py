@@ -18,6 +18,7 @@ from surefoot.mechanics.robot.lint.facts import (
     ModelFacts,
     ShapeFacts,
 )
+from surefoot.mechanics.robot.urdf_geometry import mesh_file
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
@@ -147,11 +148,7 @@ def _rotation(rpy: FloatArray) -> FloatArray:
 
 def _find_mesh(text: str, path: Path, folders: Sequence[Path]) -> Path | None:
     """Return where a mesh's file is, None if it is nowhere that the loader looks."""
-    scheme, found, rest = text.partition("://")
-    name = rest if found else text
-    places = [Path(name)] if scheme == "file" or Path(name).is_absolute() else []
-    places += [folder / name for folder in (path.parent, *folders)]
     try:
-        return next((place for place in places if name and place.is_file()), None)
+        return mesh_file(text, path, folders) if text else None
     except (OSError, ValueError):
         return None
