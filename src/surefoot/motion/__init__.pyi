@@ -16,6 +16,7 @@ from .drive.watchdog import damping_targets as damping_targets
 from .drive.wire.dialect import Dialect as Dialect
 from .drive.wire.link import WireEnd as WireEnd
 from .drive.wire.packed import PackedMessage as PackedMessage
+from .estimation.inekf import STIFF_FEET as STIFF_FEET
 from .estimation.inekf import FilterNoise as FilterNoise
 from .estimation.state_estimator import Reading as Reading
 from .gaits.library import gait_names as gait_names

@@ -65,10 +65,11 @@ def test_wrong_input_is_named() -> None:
 
 def test_the_page_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(write_hopper(tmp_path))
+    names = run_page("leg-forces.md")
+    assert names["foot"].forces.shape == (len(names["foot"].time), 3)
     names = run_page("estimation.md")
     assert names["tracker"].believed(0.6).shape == (4,)
     assert names["used"].all()
-    assert names["foot"].forces.shape == (len(names["foot"].time), 3)
     robot = names["robot"]
     np.testing.assert_allclose(names["q_estimated"], robot.nominal, atol=0.01)
     assert np.abs(names["v_estimated"]).max() < 0.01

@@ -21,7 +21,7 @@ from surefoot.motion.estimation.inekf import FilterNoise, InvariantFilter
 from tests.motion.estimation.poses import adjoint, exponential, inverse, logarithm, product
 
 G = np.array([0.0, 0.0, -GRAVITY])
-QUIET = FilterNoise(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+QUIET = FilterNoise(*[0.0] * 11, turning=0.0, slip=0.0, impact=0.0)
 
 
 def random_filter(seed: int, feet: int = 3) -> InvariantFilter:
@@ -133,7 +133,8 @@ def test_a_correction_is_the_textbooks(seed: int) -> None:
     X, bias = product(exponential(delta[:-6]), filter.X), filter.bias + delta[-6:]
     distances, used = np.zeros(3), np.zeros(3, dtype=bool)
     count = kernels.correct(
-        filter.X, filter.bias, filter.covariance, on, places, spreads, np.inf, distances, used
+        filter.X, filter.bias, filter.covariance, on, places, spreads, np.inf, distances, np.zeros((3, 3)),
+        used,
     )  # fmt: skip
     assert count == on.sum()
     np.testing.assert_array_equal(used, on)

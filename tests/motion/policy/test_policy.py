@@ -154,6 +154,14 @@ def test_metadata_alone_is_enough(go2: Robot, tmp_path: Path, spelling: str) -> 
     assert policy._feed(policy._senses(one)) == pytest.approx(np.concatenate(parts))
 
 
+def test_the_robot_that_is_assumed_is_named(tmp_path: Path, answer: Any, printed: Any) -> None:
+    network = write_onnx(tmp_path / "my_net.onnx", np.zeros((45, 12)), np.zeros(12))
+    assert answer("policy", "describe", network, code=1)["robot_from"] == "assumed"
+    said = " ".join(printed("policy", "describe", network, code=1).split())
+    assert "robot: go2, assumed, since the file's name says none; or --robot NAME" in said
+    assert "assumed, since" not in printed("policy", "describe", network, "--robot", "go2", code=1)
+
+
 def test_gains_and_names_recognise_a_convention(tmp_path: Path, answer: Any) -> None:
     g1 = sf.load_robot("g1")
     told = {
@@ -163,6 +171,7 @@ def test_gains_and_names_recognise_a_convention(tmp_path: Path, answer: Any) -> 
     }
     network = write_onnx(tmp_path / "g1.onnx", np.zeros((100, 29)), np.zeros(29), told, "actor_obs")
     facts = answer("policy", "describe", network)
+    assert (facts["robot"], facts["robot_from"]) == ("g1", "the file's name")
     assert facts["sources"]["stiffness"] == "the network's metadata"
     assert facts["sources"]["observations"] == "assumed: convention holosoma"
     other = write_onnx(tmp_path / "g1_other.onnx", np.zeros((99, 29)), np.zeros(29), told, "actor_obs")

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from benchmarks.legged import leg_places, write_legged
 from surefoot.base.errors import ModelError
 from surefoot.motion.gaits.library import gait_names, patterns_of
 from surefoot.motion.walking.walkers import default_gait, walking_controller
-from tests.legged import leg_places, write_legged
 
 
 @pytest.mark.parametrize("feet", [3, 5, 6, 7, 8, 10])

@@ -12,7 +12,7 @@ from surefoot.base.memory import Remembering
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Actuators, Robot, Terrain
 from surefoot.motion.control.controller import Command, RobotState
-from surefoot.motion.estimation.inekf import FilterNoise
+from surefoot.motion.estimation.inekf import STIFF_FEET, FilterNoise
 from surefoot.motion.estimation.inekf_robot import InvariantEkf
 from surefoot.motion.estimation.state_estimator import Health, Reading, StateEstimator
 
@@ -27,7 +27,7 @@ class StateTracker(Remembering):
     dt
         Time between readings [s].
     noise
-        What is believed of the sensors; None for the defaults.
+        What is believed of the sensors; None for the defaults with stiff legs (`STIFF_FEET`).
     ground
         A map of the ground; None to know nothing of it.
     imu_position
@@ -59,6 +59,7 @@ class StateTracker(Remembering):
         point_foot: ArrayLike | None = None,
     ) -> None:
         self.robot = robot
+        noise = noise or FilterNoise(**STIFF_FEET)
         self.estimator = StateEstimator(InvariantEkf(robot, dt, noise, ground, imu_position), latency=latency)
         self._actuators = actuators
         self._foot = np.asarray(robot.contact_points.foot if point_foot is None else point_foot)

@@ -13,6 +13,7 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.kernels import borrowed, inline_kernel, kernel, window
+from surefoot.base.spatial import GRAVITY
 from surefoot.motion.estimation.foot_kinematics import (
     base_state,
     follow_stances,
@@ -63,6 +64,8 @@ STEPS, HELD, IMU, LEGS, SPEEDS = range(5)
 """Of the counts of `Latency`: steps behind, steps for which an IMU reading is held, lengths of its queues."""
 QUEUED = 5
 """Where the numbers of readings in these queues begin."""
+FADING = 0.05
+"""Time in which a landing's shake falls to 37 % [s]: some periods of a leg's own vibration at 20 to 50 Hz."""
 BELIEVED, LANDED, CREDIBLE, TOUCHED = 1, 2, 4, 8
 """Bits of what `settle` returns."""
 
@@ -71,15 +74,16 @@ BELIEVED, LANDED, CREDIBLE, TOUCHED = 1, 2, 4, 8
 def filter_arrays(memory: FloatArray, n: int) -> tuple[FloatArray, ...]:
     """Return the parts of an `InvariantFilter`'s memory.
 
-    They are X (3, 5 + n), bias (6,), covariance (15 + 3n, 15 + 3n), densities (4 + n,), walks (2,), gate (1,)
-    and distances (n,).
+    They are X (3, 5 + n), bias (6,), covariance (15 + 3n, 15 + 3n), densities (4 + n,), walks (5,), gate
+    (1,), distances (n,) and whitened innovations (n, 3).
     """
     N, at = 15 + 3 * n, 3 * (5 + n)
     end = at + 6 + N * N
     return (
         window(memory, 0, 3, 5 + n), window(memory, at, 1, 6)[0], window(memory, at + 6, N, N),
-        window(memory, end, 1, 4 + n)[0], window(memory, end + 4 + n, 1, 2)[0],
-        window(memory, end + 6 + n, 1, 1)[0], window(memory, end + 7 + n, 1, n)[0],
+        window(memory, end, 1, 4 + n)[0], window(memory, end + 4 + n, 1, 5)[0],
+        window(memory, end + 9 + n, 1, 1)[0], window(memory, end + 10 + n, 1, n)[0],
+        window(memory, end + 10 + 2 * n, n, 3),
     )  # fmt: skip
 
 
@@ -87,13 +91,14 @@ def filter_arrays(memory: FloatArray, n: int) -> tuple[FloatArray, ...]:
 def robot_arrays(memory: FloatArray, n: int, joints: int) -> tuple[FloatArray, ...]:
     """Return the parts of an `InvariantEkf`'s memory.
 
-    They are numbers (dt, SETTLING [s], SLIDING [m/s]) above the IMU's arm and the turn rate (3, 3), q, v,
+    They are numbers (dt, SETTLING [s], SLIDING [m/s]) above the IMU's arm, the turn rate and the shake with
+    two zeros (4, 3), q, v,
     then of the feet rolling radii, speeds over the ground and ages (3, n), normals, rolls and places (n, 3),
     and rotations (n, 3, 3).
     """
-    at, end = 9, 22 + 2 * joints
+    at, end = 12, 25 + 2 * joints
     return (
-        window(memory, 0, 3, 3), window(memory, at, 1, 7 + joints)[0],
+        window(memory, 0, 4, 3), window(memory, at, 1, 7 + joints)[0],
         window(memory, at + 7 + joints, 1, 6 + joints)[0], window(memory, end, 3, n),
         window(memory, end + 3 * n, n, 3), window(memory, end + 6 * n, n, 3),
         window(memory, end + 9 * n, n, 3), window(memory, end + 12 * n, 3 * n, 3).reshape((n, 3, 3)),
@@ -158,6 +163,13 @@ def _wait(
 
 
 @kernel
+def fade_shake(before: float, accelerometer: FloatArray, dt: float) -> float:
+    """Return the shake [m/s²] after a specific force (3,): its excess over gravity, fading in `FADING`."""
+    force = math.sqrt(accelerometer[0] ** 2 + accelerometer[1] ** 2 + accelerometer[2] ** 2)
+    return max(abs(force - GRAVITY), before * math.exp(-dt / FADING))
+
+
+@kernel
 def advance(
     body: FloatArray, on: BoolArray, robot: FloatArray, waiting: FloatArray, counts: IntArray,
     gyro: FloatArray, accelerometer: FloatArray, positions: FloatArray, speeds: FloatArray, first: bool,
@@ -174,7 +186,7 @@ def advance(
         See `Reading`.
     """
     n, joints = on.shape[1], positions.shape[0]
-    X, bias, P, densities, _, _, _ = filter_arrays(body, n)
+    X, bias, P, densities, _, _, _, _ = filter_arrays(body, n)
     numbers, q, v, _, _, _, _, _ = robot_arrays(robot, n, joints)
     _wait(waiting, counts, gyro, accelerometer, positions, speeds)
     imu, legs, _, _, _ = waiting_arrays(waiting, counts, joints)
@@ -183,6 +195,7 @@ def advance(
         propagate(X, bias, P, borrowed(on)[0], imu[0, :3], imu[0, 3:], densities, numbers[0, 0])
         for r in range(3):
             numbers[2, r] = imu[0, r] - bias[r]
+        numbers[3, 0] = fade_shake(numbers[3, 0], imu[0, 3:], numbers[0, 0])
     base_state(X, numbers[2], numbers[1], q, v)
     for j in range(joints):
         q[7 + j], v[6 + j] = legs[0, j], legs[0, joints + j]
@@ -200,7 +213,7 @@ def stand(
     have just landed; `contact` (n,) says which touch. The rest is as in `advance`.
     """
     n = contact.shape[0]
-    X, bias, P, densities, walks, gate, distances = filter_arrays(body, n)
+    X, bias, P, densities, walks, gate, distances, innovations = filter_arrays(body, n)
     numbers, _, _, lines, normals, rolled, places, turned = robot_arrays(robot, n, joints)
     centres, velocities, rotations, spreads, _ = foot_arrays(feet, n)
     touching, landed, used = borrowed(standing)[0], borrowed(standing)[1], borrowed(on)[1]
@@ -212,10 +225,18 @@ def stand(
     new = follow_stances(contact, pace, sliding, settling, dt, age, touching, landed)
     roll(X, rotations, normals, radii, touching, turned, rolled)
     measure_places(X, centres, numbers[1], rolled, places)
+    # the turn rate as the gyro says: less a bias that diverges, it would excuse whatever the feet contradict
+    rate2 = 0.0
+    for r in range(3):
+        rate2 += (numbers[2, r] + bias[r]) ** 2
     observe_feet(
         X, bias, P, borrowed(on)[0], places, spreads, touching, landed, walks, densities, gate[0], distances,
-        used,
+        innovations, used,
     )  # fmt: skip
+    # Until the next correction a foot wanders by σ² = σ_0² + (a |ω|)² + (b |u|)² + (c s)², with the body's
+    # turn rate ω, the foot's speed u over the ground and the shake s.
+    for k in range(n):
+        densities[4 + k] += walks[2] * rate2 + walks[3] * pace[k] ** 2 + walks[4] * numbers[3, 0] ** 2
     return (BELIEVED if _some(used) else 0) + (LANDED if new else 0)
 
 
@@ -239,7 +260,7 @@ def write_state(
     speed [m/s] and biases [rad/s], [m/s²]. `feet` is their number, the rest is as in `advance`.
     """
     n, joints = feet, v.shape[0] - 6
-    X, bias, _, _, _, _, _ = filter_arrays(body, n)
+    X, bias, _, _, _, _, _, _ = filter_arrays(body, n)
     numbers, known_q, known_v, _, _, _, _, _ = robot_arrays(robot, n, joints)
     if counts[STEPS] == 0 or counts[QUEUED] == 0:
         # Nothing waits: the filter's time is now.

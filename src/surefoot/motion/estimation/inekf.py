@@ -49,20 +49,29 @@ class FilterNoise:
     gyro_drift, accelerometer_drift
         Random walk of the biases [rad/s²/√Hz], [m/s³/√Hz].
     foot
-        Wandering of a foot that stands [m/s/√Hz]: creep, rolling, soft ground.
+        Wandering of a foot that stands under a body at rest [m/s/√Hz]: creep, soft ground.
     landing
         The same while a foot has just landed [m/s/√Hz].
     joint, joint_speed
         Of a joint's angle [rad] and of its speed [rad/s].
     velocity, tilt, gyro_bias, accelerometer_bias
         Of the start: [m/s], [rad], [rad/s], [m/s²]. Place and heading there are exact, by definition.
+    height
+        Of the height that a map has for the ground under a foot that lands [m]. Legs that are off by half a
+        degree against the IMU err by as much on every step, the same way: a map that is believed to a few mm
+        then bends the gyro's bias.
+    turning, slip, impact
+        More wandering of every foot that stands, per turn rate of the body [m/s/√Hz per rad/s], per speed of
+        the foot over the ground [m/s/√Hz per m/s], and per specific force beyond gravity's, held for 50 ms
+        [m/s/√Hz per m/s²]: a round foot twists under a body that turns, and legs give way where it lands.
+        Their squares add to that of `foot` or `landing`.
     """
 
     gyro: float = 2e-3
     accelerometer: float = 2e-2
     gyro_drift: float = 1e-4
     accelerometer_drift: float = 1e-3
-    foot: float = 5e-3
+    foot: float = 5e-4
     landing: float = 5e-2
     joint: float = 1e-3
     joint_speed: float = 0.05
@@ -70,10 +79,19 @@ class FilterNoise:
     tilt: float = 0.02
     gyro_bias: float = 0.01
     accelerometer_bias: float = 0.1
+    height: float = 0.05
+    turning: float = 0.05
+    slip: float = 0.05
+    impact: float = 5e-3
 
     def __post_init__(self) -> None:
         for one in fields(self):
             real_number(one.name, getattr(self, one.name), low=0.0, high=1e3)
+
+
+STIFF_FEET = {"foot": 5e-3, "height": 5e-3, "turning": 0.0, "slip": 0.0, "impact": 0.0}
+"""Beliefs about feet, see `FilterNoise`, where legs are as stiff and straight as their model, in simulation:
+a foot's contact creeps alike at rest and in motion (`python -m benchmarks.state_estimate`)."""
 
 
 class InvariantFilter(Bound):
@@ -101,6 +119,8 @@ class InvariantFilter(Bound):
         (n,) which feet are in the state.
     distances
         (n,) squared Mahalanobis distances of the last observation.
+    innovations
+        (n, 3) its innovations, whitened: normal numbers of variance one where all is as it is believed.
     memory
         What holds these numbers, see `filter_arrays`; `flags` (2, n) has these feet and those used last.
 
@@ -123,7 +143,7 @@ class InvariantFilter(Bound):
         n = self.n
         N = 15 + 3 * n
         self.flags: BoolArray = np.zeros((2, n), dtype=bool)
-        self._sizes = [3 * (5 + n), 6, N * N, 4 + n, 2, 1, n]  # as `filter_arrays` has them
+        self._sizes = [3 * (5 + n), 6, N * N, 4 + n, 5, 1, n, 3 * n]  # as `filter_arrays` has them
         self.memory: FloatArray = np.zeros(sum(self._sizes))
         self._none: BoolArray = np.zeros(n, dtype=bool)
         self._bind()
@@ -139,7 +159,8 @@ class InvariantFilter(Bound):
         self.X: FloatArray = parts[0].reshape(3, 5 + n)
         self.bias: FloatArray = parts[1]
         self.covariance: FloatArray = parts[2].reshape(15 + 3 * n, 15 + 3 * n)
-        self._densities, self._walks, self._gate, self.distances = parts[3:]
+        self._densities, self._walks, self._gate, self.distances = parts[3:7]
+        self.innovations: FloatArray = parts[7].reshape(n, 3)
 
     def reset(
         self,
@@ -182,7 +203,7 @@ class InvariantFilter(Bound):
         self.standing[:] = False
         w = self.noise
         self._densities[:] = w.foot**2
-        self._walks[:] = np.square([w.foot, w.landing])
+        self._walks[:] = np.square([w.foot, w.landing, w.turning, w.slip, w.impact])
         self._densities[:4] = np.square([w.gyro, w.accelerometer, w.gyro_drift, w.accelerometer_drift])
 
     def _start(self, v: FloatArray, p: FloatArray) -> FloatArray:
@@ -240,7 +261,8 @@ class InvariantFilter(Bound):
         fresh = self._none if landed is None else landed
         kernels.observe_feet(
             self.X, self.bias, self.covariance, self.standing, places, spreads, touching, fresh,
-            self._walks, self._densities, self._gate[0], self.distances, self.used,
+            self._walks, self._densities, self._gate[0], self.distances,
+            self.innovations, self.used,
         )  # fmt: skip
         return self.used.copy()
 
@@ -261,6 +283,12 @@ class InvariantFilter(Bound):
         return kernels.correct_height(
             self.X, self.bias, self.covariance, k, normal, excess, deviation**2, GATE_HEIGHT
         )
+
+    def height_deviation(self, k: int, normal: FloatArray, deviation: float) -> float:
+        """Return the standard deviation [m] of the excess of foot k over a plane with the (3,) normal."""
+        row, j = np.zeros(len(self.covariance)), 9 + 3 * k
+        row[:3], row[j : j + 3] = np.cross(self.X[:, 5 + k], normal), normal
+        return float(np.sqrt(row @ self.covariance @ row + deviation**2))
 
     def doubt_velocity(self, deviation: float) -> None:
         """Add to the uncertainty of the velocity [m/s]: what was believed has turned out to be wrong."""

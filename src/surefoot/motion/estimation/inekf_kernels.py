@@ -195,21 +195,23 @@ def _gain(P: FloatArray, j: int, L: FloatArray, W: FloatArray) -> None:
 @kernel
 def correct(
     X: FloatArray, bias: FloatArray, P: FloatArray, on: BoolArray, places: FloatArray, spreads: FloatArray,
-    gate: float, distances: FloatArray, used: BoolArray,
+    gate: float, distances: FloatArray, innovations: FloatArray, used: BoolArray,
 ) -> int:  # fmt: skip
     """Correct with where the feet are seen from the body; return how many were believed.
 
     A foot is believed if its squared Mahalanobis distance, before any correction, is at most `gate`.
 
-    `places` (n, 3) [m] are measured in body axes, `spreads` (n, 3, 3) [m²] say how well; `distances` (n,) and
-    `used` (n,) are filled. Feet are taken one by one (their noise is independent), the state is moved once by
-    exp of the sum: for linear errors this is the one correction with all rows.
+    `places` (n, 3) [m] are measured in body axes, `spreads` (n, 3, 3) [m²] say how well; `distances` (n,),
+    `used` (n,) and the whitened `innovations` (n, 3), L⁻¹ z with S = L Lᵀ, are filled. Feet are taken one by
+    one (their noise is independent), the state is moved once by exp of the sum: for linear errors this is the
+    one correction with all rows.
     """
     N, n, count = P.shape[0], on.shape[0], 0
     delta, W = np.zeros(N), np.empty((N, 3))
     S, z, seen = np.empty((3, 3)), np.empty(3), np.zeros((n, 3, 3))
     for k in range(n):
         used[k], distances[k] = False, 0.0
+        innovations[k, 0] = innovations[k, 1] = innovations[k, 2] = 0.0
         if on[k]:
             _add_turned(X[:, :3], spreads[k], seen[k])
             S[:] = seen[k]
@@ -218,6 +220,7 @@ def correct(
             if cholesky(S):
                 solve_lower(S, z)
                 distances[k] = z[0] * z[0] + z[1] * z[1] + z[2] * z[2]
+                innovations[k, 0], innovations[k, 1], innovations[k, 2] = z[0], z[1], z[2]
             used[k] = distances[k] <= gate
     for k in range(n):
         if not used[k]:
@@ -329,13 +332,13 @@ def add_foot(X: FloatArray, P: FloatArray, k: int, place: FloatArray, spread: Fl
 def observe_feet(
     X: FloatArray, bias: FloatArray, P: FloatArray, on: BoolArray, places: FloatArray, spreads: FloatArray,
     touching: BoolArray, landed: BoolArray, walks: FloatArray, densities: FloatArray, gate: float,
-    distances: FloatArray, used: BoolArray,
+    distances: FloatArray, innovations: FloatArray, used: BoolArray,
 ) -> None:  # fmt: skip
     """Forget feet that have left, correct with those that stand, and add those that are new or slid.
 
-    `touching` and `landed` (n,) say which feet touch and which may still move; `walks` (2,) are the variances
-    per second of a foot's place when it stands and when it has landed, which go to `densities` (4 + n,)
-    [m²/s]. The rest is as in `correct`.
+    `touching` and `landed` (n,) say which feet touch and which may still move; the first two of `walks` are
+    the variances per second of a foot's place when it stands and when it has landed, which go to `densities`
+    (4 + n,) [m²/s]. The rest is as in `correct`.
     """
     for k in range(on.shape[0]):
         # Before the correction, so that a foot which has left says nothing more; feet that are new or slid
@@ -344,7 +347,7 @@ def observe_feet(
             forget_foot(P, k)
             on[k] = False
         densities[4 + k] = walks[1] if landed[k] else walks[0]
-    correct(X, bias, P, on, places, spreads, gate, distances, used)
+    correct(X, bias, P, on, places, spreads, gate, distances, innovations, used)
     for k in range(on.shape[0]):
         if touching[k] and not used[k]:
             add_foot(X, P, k, places[k], spreads[k])

@@ -18,16 +18,15 @@ from surefoot.base.errors import ProblemError
 from surefoot.base.live_arrays import Bound
 from surefoot.base.spatial import rotation_from_quaternion
 from surefoot.mechanics import Robot, Terrain
-from surefoot.motion.estimation.estimator_kernels import BELIEVED, LANDED, stand
+from surefoot.motion.estimation.estimator_kernels import BELIEVED, LANDED, fade_shake, stand
 from surefoot.motion.estimation.foot_kinematics import FootKinematics, base_state
 from surefoot.motion.estimation.inekf import FilterNoise, InvariantFilter
+from surefoot.motion.estimation.trust import Trust, TrustMonitor
 
 SLIDING = 0.5
 """A foot that moves faster than this over the ground does not stand, whatever the contact says [m/s]."""
 SETTLING = 0.02
 """Time after a touchdown in which a foot may still move a little, see `FilterNoise.landing` [s]."""
-HEIGHT = 0.005
-"""Standard deviation of the height that a map has for the ground under a foot that lands [m]."""
 EDGE = 0.003
 """A sole whose edge is so far below its middle turns about that edge [m]."""
 
@@ -59,6 +58,8 @@ class InvariantEkf(Bound):
         (n, 3) of the ground where each foot landed last, world axes.
     feet
         `FootKinematics`.
+    monitor
+        `TrustMonitor`, which `trust` asks.
     memory
         What holds its numbers, see `robot_arrays`; q (nq,) and v (nv,) there are those of `StateEstimator`'s
         last reading, `stances` (2, n) says which feet stand and which have just landed.
@@ -82,7 +83,7 @@ class InvariantEkf(Bound):
     True
     """
 
-    MEMORY = ("filter", "feet", "memory", "stances")
+    MEMORY = ("filter", "feet", "memory", "stances", "monitor")
 
     def __init__(
         self,
@@ -105,7 +106,10 @@ class InvariantEkf(Bound):
         ]
         self.feet = FootKinematics(robot, self.filter.noise.joint)
         self.stances: BoolArray = np.zeros((2, n), dtype=np.bool_)
-        self._sizes = [9, 7 + joints, 6 + joints, 3 * n, 3 * n, 3 * n, 3 * n]  # as `robot_arrays` has them
+        noise = self.filter.noise
+        largest = np.array([noise.gyro_bias, noise.accelerometer_bias])
+        self.monitor = TrustMonitor(tuple(foot.name for foot in robot.feet), self.dt, largest)
+        self._sizes = [12, 7 + joints, 6 + joints, 3 * n, 3 * n, 3 * n, 3 * n]  # as `robot_arrays` has them
         self.memory: FloatArray = np.zeros(sum(self._sizes) + 9 * n)
         self._bind()
         self._numbers[0], self._numbers[1] = (self.dt, SETTLING, SLIDING), self.imu_position
@@ -116,7 +120,7 @@ class InvariantEkf(Bound):
         """Find the parts of the memory."""
         n = self.filter.n
         parts = np.split(self.memory, np.cumsum(self._sizes))
-        self._numbers, self.q, self.v = parts[0].reshape(3, 3), parts[1], parts[2]
+        self._numbers, self.q, self.v = parts[0].reshape(4, 3), parts[1], parts[2]
         self._turn, self._lines = self._numbers[2], parts[3].reshape(3, n)
         self._pace, self._age = self._lines[1:]
         self.normals, self._rolled = parts[4].reshape(n, 3), parts[5].reshape(n, 3)
@@ -139,9 +143,10 @@ class InvariantEkf(Bound):
         R, arm = rotation_from_quaternion(start[3:7]), self.imu_position
         linear = R @ (velocity[:3] + np.cross(velocity[3:6], arm))
         self.filter.reset(R, linear, start[:3] + R @ arm)
+        self.monitor.reset()
         self._turn[:] = velocity[3:6]
         self.joints(start[7:], velocity[6:])
-        self._rolled[:] = self._pace[:] = 0.0
+        self._rolled[:] = self._pace[:] = self._numbers[3] = 0.0
         self._age[:], self.stances[:], self.normals[:] = -self.dt, False, (0.0, 0.0, 1.0)
         self.feet.update(*self.legs)
         self._turned[:] = R @ self.feet.rotations
@@ -149,7 +154,9 @@ class InvariantEkf(Bound):
     def predict(self, gyro: ArrayLike, accelerometer: ArrayLike) -> None:
         """Go on by dt with the (3,) turn rate [rad/s] and specific force [m/s²] of the IMU, base axes."""
         rate = sized_array("gyro", gyro, (3,))
-        self.filter.predict(rate, sized_array("accelerometer", accelerometer, (3,)), self.dt)
+        force = sized_array("accelerometer", accelerometer, (3,))
+        self.filter.predict(rate, force, self.dt)
+        self._numbers[3, 0] = fade_shake(self._numbers[3, 0], force, self.dt)
         self._turn[:] = rate - self.filter.bias[:3]
 
     def joints(self, positions: ArrayLike, speeds: ArrayLike) -> None:
@@ -170,8 +177,10 @@ class InvariantEkf(Bound):
         """
         self.joints(positions, speeds)
         self.feet.update(*self.legs)
-        self.correct(sized_flags("contact", contact, len(self.robot.feet)))
-        return self.filter.used.copy()
+        touching, body = sized_flags("contact", contact, len(self.robot.feet)), self.filter
+        self.correct(touching)
+        self.monitor.take_correction(body.innovations, body.distances > 0.0, body.used, touching, body.bias)
+        return body.used.copy()
 
     def correct(self, contact: BoolArray) -> bool:
         """Correct with feet where `feet` has them; return whether one was believed.
@@ -198,7 +207,9 @@ class InvariantEkf(Bound):
             place = body.X[:, 5 + k]
             normal = self.normals[k] = ground.normal(place[:2])
             excess = float(place[2] - ground.height(place[:2])) * normal[2] - self._soles[k]
-            body.observe_height(k, self.normals[k], excess, HEIGHT)
+            spread = body.height_deviation(k, normal, body.noise.height)
+            believed = body.observe_height(k, self.normals[k], excess, body.noise.height)
+            self.monitor.take_landing(excess, spread, believed)
 
     def level(self, standing: BoolArray) -> BoolArray:
         """Return which of the feet (n,) that stand do so on a whole sole; all of them if none does.
@@ -210,6 +221,11 @@ class InvariantEkf(Bound):
             up = (self.filter.X[:, :3] @ self.feet.rotations[k]).T @ self.normals[k]
             out[k] &= float((corners @ up).min()) > -EDGE
         return out if not self._corners or out.any() else standing
+
+    @property
+    def trust(self) -> Trust:
+        """Whether `update` has found the estimate as good as its covariance says, and why not if so."""
+        return self.monitor.trust
 
     @property
     def legs(self) -> tuple[FloatArray, FloatArray]:

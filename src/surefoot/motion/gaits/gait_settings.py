@@ -133,9 +133,22 @@ class GaitTimings(Settings):
     )  # fmt: skip
     two_feet_period: float = setting(0.70, "s", "period of a walk on two feet", low=1e-3)
     two_feet_duty: float = setting(0.60, "-", "share that feet of a walk on two carry", low=0.0, high=1.0)
-    tripod_period: float = setting(0.45, "s", "period of a tripod gait", low=1e-3)
-    tripod_duty: float = setting(0.6, "-", "share that feet of a tripod gait carry", low=0.0, high=1.0)
-    swing_time: float = setting(0.17, "s", "time of a foot in the air in a wave and a ripple gait", low=1e-3)
+    tripod_period: float = setting(
+        0.45, "s", "period of a tripod gait", low=1e-3,
+        tuned="`surefoot bench ablation --vary GaitTimings.tripod_period --factor 1.6 --factor 2.5 "
+        "--task six-tripod --seeds 3`, 2026-11-27: as good from 0.45 to 0.45",
+    )  # fmt: skip
+    tripod_duty: float = setting(
+        0.5, "-", "share that feet of a tripod gait carry", low=0.0, high=1.0,
+        tuned="`surefoot bench ablation "
+        "--vary GaitTimings.tripod_duty --value 0.45 --value 0.55 --value 0.6 --value 0.75 "
+        "--task six-tripod --seeds 3`, 2026-11-27: as good from 0.5 to 0.5",
+    )  # fmt: skip
+    swing_time: float = setting(
+        0.17, "s", "time of a foot in the air in a wave and a ripple gait", low=1e-3,
+        tuned="`surefoot bench ablation --vary GaitTimings.swing_time --factor 1.7 --factor 3 "
+        "--task six-ripple --task six-wave --seeds 3`, 2026-11-27: as good from 0.17 to 0.17",
+    )  # fmt: skip
     beside: float = setting(
         0.2, "-", "share of the half width nearer than which to the middle a foot is of neither side",
         low=0.0, high=1.0,

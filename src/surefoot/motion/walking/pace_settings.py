@@ -109,8 +109,11 @@ class GaitChoiceSettings(Settings):
         0.15, "-", "share by which that speed must be passed before the gait changes", low=0.0, high=1.0
     )
     walk_least_duty: float = setting(
-        0.65, "-", "share that feet of a walk carry in the greatest hurry", low=0.0, high=1.0
-    )
+        0.5, "-", "share that feet of a walk carry in the greatest hurry", low=0.0, high=1.0,
+        tuned="`surefoot bench ablation "
+        "--vary GaitChoiceSettings.walk_least_duty --value 0.4 --value 0.6 --value 0.75 "
+        "--task gait-walk-fast --seeds 3`, 2026-11-27: as good from 0.4 to 0.6",
+    )  # fmt: skip
     pace_least_duty: float = setting(
         0.5, "-", "share that feet carry in the greatest hurry of a pace", low=0.0, high=1.0
     )
@@ -121,8 +124,11 @@ class GaitChoiceSettings(Settings):
         0.6, "-", "share that feet carry in the greatest hurry of a ripple gait", low=0.0, high=1.0
     )
     wave_least_duty: float = setting(
-        0.75, "-", "share that feet carry in the greatest hurry of a wave gait", low=0.0, high=1.0
-    )
+        0.75, "-", "share that feet carry in the greatest hurry of a wave gait", low=0.0, high=1.0,
+        tuned="`surefoot bench ablation "
+        "--vary GaitChoiceSettings.wave_least_duty --value 0.6 --value 0.7 --value 0.8 "
+        "--task six-wave-fast --seeds 3`, 2026-11-27: as good from 0.75 to 0.75",
+    )  # fmt: skip
 
 
 GAIT_CHOICE = GaitChoiceSettings()

@@ -28,6 +28,15 @@ def check_upright(robot: Robot) -> None:
         )
 
 
+def _check_free(robot: Robot) -> None:
+    """Refuse a robot that is bolted to the world."""
+    if not robot.floating:
+        raise ModelError(
+            f"{robot.name} cannot walk here: its base is bolted to the world. One that walks has a free "
+            "base: of an MJCF file a <freejoint/> in its first body, of a URDF fixed_base=False"
+        )
+
+
 def check_point_feet(robot: Robot) -> None:
     """Refuse a robot that cannot walk on point feet.
 
@@ -37,14 +46,15 @@ def check_point_feet(robot: Robot) -> None:
         Without a free base, with fewer than three feet, or with soles.
     """
     check_upright(robot)
+    _check_free(robot)
     flat = sum(foot.flat for foot in robot.feet)
-    if robot.floating and len(robot.feet) > 2 and not flat:
+    if len(robot.feet) > 2 and not flat:
         return
     lines = [
-        f"{robot.name} cannot walk here: that takes a free base and three or more point feet, "
+        f"{robot.name} cannot walk here: that takes three or more point feet, "
         f"it has {len(robot.feet)}{f', {flat} of them flat' if flat else ''}"
     ]
-    if robot.floating and len(robot.feet) == 2 and flat < 2:
+    if len(robot.feet) == 2 and flat < 2:
         pointed = next(foot for foot in robot.feet if not foot.flat)
         lines.append(
             "on two feet it takes soles, which points do not have (a box, a mesh or four spheres under each "
@@ -61,8 +71,9 @@ def check_soles(robot: Robot) -> None:
     ModelError
         Without a free base or two soles, or with legs that cannot lay their soles level wherever they step.
     """
-    if not robot.floating or len(robot.feet) != 2 or not all(f.flat for f in robot.feet):
-        raise ModelError(f"{robot.name} cannot walk here: it needs a free base and two flat feet")
+    _check_free(robot)
+    if len(robot.feet) != 2 or not all(f.flat for f in robot.feet):
+        raise ModelError(f"{robot.name} cannot walk here: it needs two flat feet")
     check_upright(robot)
     for foot in robot.feet:
         rank = leg_rank(robot.model, foot.frame)
@@ -70,5 +81,5 @@ def check_soles(robot: Robot) -> None:
             raise ModelError(
                 f"{robot.name} cannot walk here: the leg of {foot.name} moves its sole in {rank} of 6 "
                 "directions, and a level sole under a body that sways takes all 6, so an ankle that pitches "
-                "and rolls. It can stand (surefoot stand)"
+                "and rolls. Standing takes less: surefoot stand"
             )

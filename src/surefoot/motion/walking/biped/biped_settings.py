@@ -51,6 +51,21 @@ class BipedWalkSettings(Settings):
         low=0.0,
         high=1.0,
     )
+    heavy_rotors: float = setting(
+        1.0,
+        "-",
+        "largest apparent mass of a sole, rotors included, in masses of the robot",
+        low=0.0,
+        tuned="`surefoot bench robots --published FOLDER`, 2026-11-27: 0.01 to 0.2 walk, OP3 with 5 falls",
+    )
+    light_sole: float = setting(
+        800.0,
+        "g / m",
+        "turn of a sole under half the weight at its edge, about both axes, from which its damping is slowed",
+        low=0.0,
+        tuned="`surefoot bench robots --published FOLDER`, 2026-11-27: up to 620 they walk with all of it, "
+        "XBot-L with 1500 falls",
+    )
     period: float = setting(2.0 * math.pi / 1.96, "sqrt(h / g)", "length of a cycle of the gait", low=0.001)
     catch_until: float = setting(
         0.93,

@@ -39,6 +39,7 @@ from surefoot.motion.walking.biped.footstep_planner import (
 from surefoot.motion.walking.biped.leg_momentum import LegMomentum
 from surefoot.motion.walking.biped.pendulum import PendulumPreview
 from surefoot.motion.walking.biped.settings import BipedSettings
+from surefoot.motion.walking.biped.sole_inertia import check_rotors, sole_inertias, turning_share
 from surefoot.motion.walking.biped.soles import Soles, sole_damping
 from surefoot.motion.walking.feet_settings import FEET
 from surefoot.motion.walking.foot_phases import FeetContact, FootPhase
@@ -114,6 +115,8 @@ class BipedController(Walker):
             )
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
         self.settings = settings or BipedSettings()
+        self._inertias = sole_inertias(robot, self.settings.actuators)
+        check_rotors(robot, self._inertias)
         self.terrain = FlatTerrain() if terrain is None else terrain
         self._measure()
         if isinstance(gait, str):
@@ -158,7 +161,9 @@ class BipedController(Walker):
     def _set_parts(self) -> None:
         """Make what gives the forces, and what looks ahead and keeps the posture."""
         s, rates = self.settings, (self._pendulum**2, 2.0 * self._pendulum)
-        damping = sole_damping(s.sole_damping, self._pendulum, self.dt)
+        along, turning = s.sole_damping
+        slowed = along, turning * turning_share(self.robot, self._inertias)
+        damping = sole_damping(slowed, self._pendulum, self.dt)
         self._set_controllers(self._inertia, self._mpc_dt, rates, damping)
         fine = self._mpc_dt / 2
         self._preview = PendulumPreview(
