@@ -3,7 +3,16 @@
 from .audit.auditor import audit_log as audit_log
 from .audit.batch.array_functions import array_module as array_module
 from .audit.batch.array_functions import vector_length as vector_length
+from .audit.batch.batch_report import BatchReport as BatchReport
+from .audit.batch.contact_proof import ContactProof as ContactProof
+from .audit.batch.contact_proof import ContactRows as ContactRows
+from .audit.batch.contact_proof import ContactWorld as ContactWorld
+from .audit.batch.exploits import EXPLOITS as EXPLOITS
+from .audit.batch.join_reports import join_reports as join_reports
+from .audit.batch.one_log import judge_contacts as judge_contacts
+from .audit.batch.one_log import report_no_touch as report_no_touch
 from .audit.batch.step_cost import step_cost as step_cost
+from .audit.limits import LIMITS as LIMITS
 from .audit.summary.walk_summary import summarise_walk as summarise_walk
 from .identification.friction_tracker import FrictionTracker as FrictionTracker
 from .identification.thrown_body import ThrownBody as ThrownBody
@@ -15,6 +24,7 @@ from .identification.toss_model import in_plane as in_plane
 from .identification.toss_model import in_world as in_world
 from .log.channels import CHANNELS as CHANNELS
 from .log.channels import Channel as Channel
+from .log.from_arrays import host_array as host_array
 from .log.from_arrays import log_from_arrays as log_from_arrays
 from .log.log import Ending as Ending
 from .log.log import Log as Log

@@ -28,7 +28,9 @@ def test_a_seeded_fault_is_found_with_foot_time_and_cause(fault: LogFault) -> No
 
 
 def test_every_symptom_and_fault_is_on_the_page() -> None:
-    page = (Path(__file__).parents[3] / "docs" / "audit.md").read_text(encoding="utf-8")
+    docs = Path(__file__).parents[3] / "docs"
+    names = ("symptoms.md", "symptoms-of-measurements.md", "reports/audit.md")
+    page = "\n".join((docs / name).read_text(encoding="utf-8") for name in names)
     for symptom in SYMPTOMS:
         assert f"| {symptom.name} | {symptom.cause} | {symptom.confirm} | {symptom.cure} |" in page
     for fault in LOG_FAULTS:

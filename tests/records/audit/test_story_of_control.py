@@ -19,11 +19,21 @@ ABLE = {loop.name: loop for loop in LOOPS}
     [
         ("hopper", "foot placement", 1),  # a foot set down beside where it was so far
         ("pd quadruped", "foot placement", 0),  # and one that comes late
+        ("hopper", "foot placement", 35),  # beside, and not to where the body has become faster
         ("pd quadruped", "foot placement", 22),  # of all that come late the first
         ("pd quadruped", "foot placement", 26),  # lifted late, swung as long as ever
         ("pd humanoid", "sensor bias", 7),  # a joint's angle jumps, of which the torque tells
         ("hopper", "slow gait", 1),
+        ("hopper", "slow gait", 33),  # a first stance in which it tips, before all that comes of it
+        ("hopper", "delayed control", 34),  # of whose torques most is what its legs do as they land
+        ("hopper", "wrong mass", 21),  # which falls short of its way, and not over
         ("arm pushing a box", "self-collision", 1),  # a bolted arm runs into its own stand
+        ("arm pushing a box", "self-collision", 22),  # just after its controller has switched
+        ("arm pushing a box", "payload", 26),  # whose softness gives back energy afterwards
+        ("arm pushing a box", "wrong contact frame", 22),  # axes that leave nothing along the normal
+        ("pd quadruped", "self-collision", 21),  # a foot had slid a little long before
+        ("pd humanoid", "impossible command", 35),  # which makes a step as it falls
+        ("pd humanoid", "chattering gains", 27),  # from the first row on
     ],
 )
 def test_the_cause_comes_first(loop: str, cause: str, seed: int) -> None:

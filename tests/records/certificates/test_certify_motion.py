@@ -247,6 +247,24 @@ def test_files_say_what_the_report_says(g1: sf.Robot, tmp_path) -> None:
     with report.to_csv(tmp_path / "a.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert rows[10]["cause"] == "hangs"
+    assert float(rows[10]["needed_force_z"]) == pytest.approx(report.needed[10, 2])
+    assert not any(name.startswith("contact_") for name in rows[0])
+
+
+def test_wrenches_of_links_are_what_is_needed_less_what_is_left(g1: sf.Robot) -> None:
+    sway = np.zeros((40, 3))
+    sway[:, 1] = 0.04 * np.sin(np.linspace(0.0, 4.0 * np.pi, 40))
+    report = sf.certify_motion(g1, moved(still(g1), sway))
+    wrenches = report.contact_wrenches()
+    assert {"left_ankle_roll_link", "right_ankle_roll_link"} <= set(wrenches)
+    k, sums = report.data.frames, sum(wrenches.values())
+    left = np.hstack([report.frames.force, report.frames.moment])
+    assert np.allclose(sums[k], (report.needed - left)[k], atol=1e-5 * 33.34 * 9.81)
+    assert np.isnan(sums[0]).all()
+    proof = report.certificate(20)
+    own = [n.startswith("left_ankle") for n in proof.names]
+    force = proof.forces_world[own].sum(axis=0)
+    assert np.allclose(wrenches["left_ankle_roll_link"][20, :3], force)
 
 
 @pytest.mark.parametrize("write", [MotionReport.to_json, MotionReport.to_csv])
@@ -306,3 +324,13 @@ def test_proofs_hold_on_degenerate_soles(g1: sf.Robot, kind: str) -> None:
     motion = random_motion(g1, np.random.default_rng(2))
     for mu in (0.0, 50.0):
         check_report(sf.certify_motion(robot, motion, mu=mu, sliding_mu=(0.0, 0.0)))
+
+
+def test_a_pose_lifted_for_a_while_hangs(g1: sf.Robot) -> None:
+    """Steps up and down at its ends are no fall: most of its frames need all of the weight."""
+    q = still(g1, 60).q
+    q[20:40, 2] += 0.05
+    report = sf.certify_motion(g1, Motion(g1, q, RATE))
+    (segment,) = report.segments
+    assert segment.cause == "hangs"
+    assert segment.cure == "lower the root by 5 cm"

@@ -1,4 +1,4 @@
-"""The command behind docs/identify.md's table of coverage, on one small set."""
+"""The command behind the table of coverage, on one small set."""
 
 from __future__ import annotations
 

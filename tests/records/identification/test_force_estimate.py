@@ -33,7 +33,7 @@ def test_the_forces_are_those_of_the_world(run: object, row: int) -> None:
     terrain = sf.SlopeTerrain(10.0) if run is SLOPE else None
     found = sf.estimate_forces(robot, *state, feet=feet, terrain=terrain)
     true = log["forces"][row][[robot.foot_names.index(name) for name in feet]]
-    np.testing.assert_allclose(found.forces.reshape(-1, 3), true, atol=1e-3 * robot.mass * GRAVITY)
+    np.testing.assert_allclose(found.forces, true, atol=1e-3 * robot.mass * GRAVITY)
     assert (found.lawful, found.explainable) == (True, "yes")
     assert found.misfit < 0.1
     assert (found.std < 5.0).all()
@@ -73,7 +73,7 @@ def test_uncertainty_follows_the_torques() -> None:
     rng, spread = np.random.default_rng(0), []
     for _ in range(200):
         noisy = [*state[:3], state[3] + rng.normal(scale=0.2, size=12)]
-        spread.append(sf.estimate_forces(robot, *noisy, torque_std=0.2, acceleration_std=0.0).forces)
+        spread.append(sf.estimate_forces(robot, *noisy, torque_std=0.2, acceleration_std=0.0).stacked)
     assert np.std(spread, axis=0) == pytest.approx(fine.std, rel=0.25)
 
 
@@ -103,7 +103,7 @@ def test_a_base_on_a_rail_that_a_hand_holds(tmp_path: Path) -> None:
     drop[1] += robot.feet[0].radius
     A = np.array([[drop.sum(), -lever.sum()], [drop[1], -lever[1]]])
     sideways, up = np.linalg.solve(A, np.array([0.1, 0.9]) - weights)
-    assert found.forces[[0, 2]] == pytest.approx([sideways, up], abs=1e-6)
+    assert found.stacked[[0, 2]] == pytest.approx([sideways, up], abs=1e-6)
     assert found.std[2] > 0.3  # 0.05 N m over a lever of 0.09 m
     assert found.verdict is None
     held = sf.estimate_forces(robot, q, still, still, [0.0, 0.1, 0.9], torque_std=0.05)

@@ -19,20 +19,22 @@ def test_the_page_runs(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     told: list[str] = []
-    run_page("logs.md", after=lambda: told.append(capsys.readouterr().out))
-    assert len(told) == 8
+    for page in ("record.md", "logs.md", "contact-times.md"):
+        run_page(page, after=lambda: told.append(capsys.readouterr().out))
+    assert len(told) == 9
     assert "['shell'] ['floor', 'floor', 'floor', 'floor'] 5.0" in told[0]
     assert told[1].startswith("[300, 300]\n2 episodes, 2 lawful; ")
-    assert told[2] == "forces: contact axes are taken to be the world's, as on level ground\n"
+    assert told[2] == "[200, 200]\n"
+    assert told[3] == "forces: contact axes are taken to be the world's, as on level ground\n"
     beyond = "beyond the sole: right, 0.400 to 0.450 s: presses 20 mm beyond its toe edge"
-    assert told[3].splitlines() == [beyond]
-    assert "[0.    0.002 0.004] [-1.65806279 -1.65806279" in told[4]
-    assert "foot_sensors:" in told[5]
-    assert told[6].startswith('(200, 4) ["contact_positions, gaps, normals: from')
+    assert told[4].splitlines() == [beyond]
+    assert "[0.    0.002 0.004] [-1.65806279 -1.65806279" in told[5]
+    assert "foot_sensors:" in told[6]
+    assert told[7].startswith('(200, 4) ["contact_positions, gaps, normals: from')
 
 
 def test_the_page_names_every_unit_and_alias_rightly() -> None:
-    from surefoot.records.log.from_arrays import ALIASES
+    from surefoot.records.log.array_names import ALIASES
     from surefoot.records.log.mapping import UNITS
 
     page = PAGE.read_text()

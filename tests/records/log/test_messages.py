@@ -97,6 +97,26 @@ def test_joints_are_picked_by_name(tmp_path: Path) -> None:
     assert read_source(path).topics["/joints"].kind == "sensor_msgs/JointState"
 
 
+def test_efforts_and_names_of_another_length_are_left_out(tmp_path: Path) -> None:
+    """A driver that names one joint too few, and gives efforts of some: angles are read, the rest is told."""
+    path = tmp_path / "odd.mcap"
+    with path.open("wb") as file:
+        writer = mcap_writer.Writer(file)
+        writer.start()
+        schema = writer.register_schema("sensor_msgs/JointState", "jsonschema", b"{}")
+        channel = writer.register_channel("/joints", "json", schema)
+        for k in range(N):
+            row = joint_state(k) | {"name": NAMES[:2], "effort": [1.0, 2.0]}
+            stamp = START + k * 10_000_000
+            writer.add_message(channel, stamp, json.dumps(row).encode(), stamp)
+        writer.finish()
+    log = sf.read_log(path)
+    np.testing.assert_allclose(log["joint_positions"], [joints(k) for k in range(N)], atol=1e-15)
+    assert "torques" not in log
+    assert "torques: 2 numbers for 3 joints, left out" in log.doubts
+    assert "/joints names 2 joints for 3 numbers: its names are not used" in log.doubts
+
+
 def test_mcap_with_protobuf(tmp_path: Path) -> None:
     from google.protobuf.struct_pb2 import Struct
     from google.protobuf.wrappers_pb2 import DoubleValue

@@ -37,7 +37,7 @@ def test_arrays_folders_and_pushes_are_told_where_they_go(tmp_path: Path, printe
     (tmp_path / "half" / "facts.json").write_text('{"schema": 2, ')
     (tmp_path / "pushes.csv").write_text("time,force\n0,1\n")
     expected = {
-        "audit plain.npz": "it holds the arrays qpos, forces and no schema: pass them to sf.log_from_arrays",
+        "audit plain.npz": "the mapping must say which column is the time: time: NAME; or the rate",
         "audit pickled.npz": "holds pickled Python objects, which are not loaded: save numbers, np.savez(",
         "audit folder": "neither facts.json, as what a killed run leaves has, nor metadata.yaml, as a ROS 2 "
         "bag has; it holds notes.txt",

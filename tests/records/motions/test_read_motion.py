@@ -68,6 +68,32 @@ def test_a_table_whose_first_line_names_its_columns(tmp_path: Path, q: Any) -> N
     assert motion.notes == ()
 
 
+def test_a_table_that_counts_its_frames_or_has_its_root_last(tmp_path: Path, q: Any) -> None:
+    counted = np.hstack([np.arange(FRAMES)[:, None], wxyz(q)])
+    motion = sf.read_motion(counted, g1(), fps=50)
+    assert same(motion, q)
+    assert "its first column counts frames" in motion.notes
+    timed = sf.read_motion(np.hstack([np.arange(FRAMES)[:, None] / RATE, q]), g1())
+    assert same(timed, q)
+    assert timed.rate == pytest.approx(RATE)
+    last = sf.read_motion(np.hstack([q[:, 7:], q[:, :7]]), g1(), fps=50)
+    assert same(last, q)
+    assert any(doubt.startswith("columns") for doubt in last.doubts)
+
+
+def test_bodies_that_are_few_tell_no_order(q: Any) -> None:
+    places, turns = bodies(q)
+    joints = in_order(g1(), q, breadth_first(g1()))
+    for count in (1, 14, len(places[0])):
+        contents = {
+            "fps": 50,
+            "joint_pos": joints,
+            "body_pos_w": places[:, :count],
+            "body_quat_w": turns[:, :count],
+        }
+        assert same(sf.read_motion(contents, g1()), q)
+
+
 def test_pickles_of_gmr_and_twist2(tmp_path: Path, q: Any) -> None:
     contents = {"fps": np.float64(50.0), "root_pos": q[:, :3], "root_rot": q[:, 3:7], "dof_pos": q[:, 7:],
                 "local_body_pos": np.zeros((FRAMES, 2, 3)), "link_body_list": ["a", "b"]}  # fmt: skip
@@ -92,6 +118,8 @@ def test_pickles_of_phc_asap_and_pbhc(tmp_path: Path, q: Any, compress: Any) -> 
     assert motion.absent == tuple(g1().joint_names[k] for k in absent)
     assert any("6 joints are not in the file" in note for note in motion.notes)
     assert motion.name == "walk"
+    contents = {**phc(q), "dof": phc(q)["dof"][:, :, None]}
+    assert same(sf.read_motion(contents, g1()), expected, 1e-6)
 
 
 def test_several_motions_in_a_file(tmp_path: Path, q: Any) -> None:

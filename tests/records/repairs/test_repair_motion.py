@@ -10,11 +10,14 @@ import pinocchio
 import pytest
 
 import surefoot as sf
+from benchmarks.certificate_limits import motor_cases, rising_motion
 from surefoot.base.errors import ProblemError
 from surefoot.records.certificates.window_kernels import Window
 from surefoot.records.motions.motion import Motion
 from surefoot.records.repairs.com_shift import shift_com
 from surefoot.records.repairs.leg_kinematics import follow_feet
+from surefoot.records.repairs.repair_settings import RepairSettings
+from surefoot.records.repairs.time_warp import pace_of, warp
 
 RATE = 30.0
 MOTIONS = Path(__file__).resolve().parents[4] / "shared" / "data" / "motions"
@@ -117,6 +120,34 @@ def test_shifts_solve_the_normal_equations_of_their_sum() -> None:
         step = 1e-4 * rng.normal(size=found.shape)
         assert total(found + step) - total(found) > 0.0
         assert total(found + step) - total(found - step) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_what_is_too_fast_for_a_motor_is_played_slower(g1: sf.Robot) -> None:
+    """Legs straighten twice as fast as the motors of the knees turn; nothing but time mends that."""
+    case = list(motor_cases(rising_motion(g1)))[-1]
+    report = sf.certify_motion(case.motion.robot, case.motion)
+    assert report.segments[0].cure == "slow to 0.5"
+    in_place = sf.repair_motion(report, RepairSettings(paces=0))
+    mended = sf.repair_motion(report)
+    assert in_place.motion.duration == case.motion.duration
+    assert not in_place.is_warped
+    assert mended.mended > 0.8 > in_place.mended
+    assert mended.motion.duration > 1.5 * case.motion.duration
+    assert "it lasts" in str(mended)
+    assert len(mended.times) == len(mended.motion)
+    assert mended.times[[0, -1]] == pytest.approx([0.0, case.motion.duration])
+    assert (np.diff(mended.times) > 0.0).all()
+
+
+def test_paces_stretch_time_and_keep_places(g1: sf.Robot) -> None:
+    motion = leaning(g1, 25.0)
+    twice, at = warp(motion, np.full(60, 0.5))
+    assert len(twice) == 119
+    assert np.allclose(twice.q[::2], motion.q, atol=1e-9)
+    assert np.allclose(at, np.arange(119) / 2.0)
+    report = sf.certify_motion(g1, motion)
+    assert (pace_of(report, RepairSettings(slowest=1.0)) == 1.0).all()
+    assert (pace_of(sf.certify_motion(g1, still(g1)), RepairSettings()) == 1.0).all()
 
 
 @pytest.mark.parametrize("name", ["go2", "talos"])

@@ -13,6 +13,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.numerics.windows import sliding_mean, sliding_sum
+from surefoot.base.spatial import GRAVITY
 from surefoot.records.audit.balance import balance
 from surefoot.records.audit.cones import friction_needed, grip
 from surefoot.records.audit.consistency import (
@@ -27,7 +28,7 @@ from surefoot.records.audit.continuity import contact_velocity, gap_rate, no_kin
 from surefoot.records.audit.flights import flights, what_drives
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.places import gap_place, jump, no_feet, no_ground
-from surefoot.records.audit.restitution import rebound, sparse
+from surefoot.records.audit.restitution import rebound, sparse, throw
 from surefoot.records.audit.rows import Measured, Rows, on_body, over
 from surefoot.records.audit.soles import has_soles, soles
 from surefoot.records.audit.within_row import limb_turns, turn_speed, way_to_touch
@@ -122,7 +123,7 @@ def _without_settling(rows: Rows, value: FloatArray) -> FloatArray:
 def _work(rows: Rows) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return way [m], friction's work [J] and the most that it could take [J], over windows: (T, p) each."""
     friction = rows.once(grip)
-    own = "contact_creep" in rows.log  # else the limit knows the creep
+    own = rows.knows_creep  # else the limit knows the creep
     w = rows.window(rows.setting.limits.checks.slide_window)
     on = rows.loaded.copy()
     on[1:] &= rows.loaded[:-1]  # not the row of a touchdown: its force is the blow that stops the foot
@@ -151,7 +152,7 @@ def _sliding(rows: Rows) -> Measured:
     limits = rows.setting.limits.checks
     share = np.clip((limits.brake_share * most + work) / np.maximum(most, 1e-12), 0.0, 1.0)
     value = np.where(most > 0.0, way * share, 0.0)
-    creep = 0.0 if "contact_creep" in rows.log else rows.setting.creep
+    creep = 0.0 if rows.knows_creep else rows.setting.creep
     unsure = rows.once(_unsure_ways)
     limit = rows.setting.slide_limit + creep * limits.slide_window + unsure
     return over(_without_settling(rows, value), limit)
@@ -241,6 +242,23 @@ def _blow(rows: Rows) -> Measured:
         around[2:-2] = np.maximum(np.minimum(size[:-4], size[1:-3]), np.minimum(size[4:], size[3:-1]))
     value = np.where(np.isfinite(around), size - around, 0.0) / rows.setting.weight
     return over(value, rows.setting.limits.checks.spike)
+
+
+def _spike(rows: Rows) -> Measured:
+    """Force of one or two rows beyond those on both sides and beyond any landing's, over m g.
+
+    A landing takes no more impulse than all of the robot at the speed of what lands, twice that where it
+    bounces, and the friction that goes with it.
+    """
+    value, limit, _ = _blow(rows)
+    if not rows.has("contact_velocities"):
+        return over(value, limit)
+    down = np.maximum(-rows.velocities[..., 2], 0.0)
+    around = np.pad(down, ((2, 2), (0, 0)), mode="edge")
+    near = np.max([around[k : k + rows.count] for k in range(5)], axis=0)
+    speed = rows.over_robot(near, np.maximum)
+    share = rows.setting.limits.episodes.landing * speed / (GRAVITY * rows.dt[:, None])
+    return over(value, limit + share * np.hypot(1.0, rows.mu))
 
 
 def _solver_error(rows: Rows) -> Measured:
@@ -366,6 +384,11 @@ CHECKS = (
     Check("depth", "a soft contact", "m", False, ("gaps",), _depth, by_contact=True),
     Check("chatter", "switches of contact in 0.1 s", "1", False, FORCES, _chatter, by_contact=True),
     Check("blow", "force of one row", "m g", False, FORCES, _blow, by_contact=True),
+    Check("spike", "force of one row that no landing gives", "m g", False, FORCES, _spike, by_contact=True),
+    Check(
+        "throw", "contacts come out of the ground faster than declared", "J", False,
+        ("forces", "gaps", "contact_velocities"), throw, by_contact=True,
+    ),
     Check("unconverged", "the solver stopped early", "N", False, ("forces", "solver_error"), _solver_error),
     Check("idle", "nothing carries the robot", "share", False, FORCES, _idle),
     Check("frozen", "a force that does not change", "share", False, FORCES, _frozen, by_contact=True),

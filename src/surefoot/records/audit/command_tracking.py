@@ -218,6 +218,7 @@ def judge_task(log: Log, limits: AuditLimits = LIMITS) -> tuple[Task, str]:
     if ended != Ending.DONE:
         return "unknown", ""
     walked = "command" in log and "q" in log and float(log["time"][-1]) > limits.walk.settled
+    walked = walked and _has_velocity(log)
     if log.facts.get("kind") == "recording" and not walked:
         return "unknown", ""  # of somebody's loop: that its steps were made is no task
     if walked and not follows(log, limits):
@@ -226,6 +227,12 @@ def judge_task(log: Log, limits: AuditLimits = LIMITS) -> tuple[Task, str]:
     if standing and displaced(log, limits=limits):
         return "failed", "the base is not where it should stand"
     return "attained", ""
+
+
+def _has_velocity(log: Log) -> bool:
+    """Return whether a log says how fast its robot went: by a free base, or by the momentum of another."""
+    q, v = np.asarray(log["q"][:1]), np.asarray(log["v"][:1])
+    return free_base(q, v) or ("momentum" in log and "mass" in log.facts)
 
 
 _ENDED = {

@@ -11,7 +11,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray, of_kind
-from surefoot.base.errors import ProblemError, unknown_name
+from surefoot.base.drawn import Drawn
+from surefoot.base.errors import ProblemError, count_of, unknown_name
 from surefoot.base.numerics.phases import debounced
 from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.audit.motion import foot_forces
@@ -52,8 +53,8 @@ class FootTimes:
     refused: str = ""
 
 
-@dataclass(frozen=True)
-class ContactTimes:
+@dataclass(frozen=True, repr=False)
+class ContactTimes(Drawn):
     """The contacts of all feet.
 
     Attributes
@@ -69,6 +70,22 @@ class ContactTimes:
     channel: str
     feet: tuple[FootTimes, ...]
     contacts: BoolArray
+
+    def __repr__(self) -> str:
+        return f"ContactTimes({self.channel!r}, {len(self.feet)} feet, {len(self.contacts)} rows)"
+
+    def __str__(self) -> str:
+        told = [foot for foot in self.feet if not foot.refused]
+        strides = [
+            f"{foot.name} {foot.stride_period:.2f} s, {100.0 * foot.duty_factor:.0f} %"
+            for foot in told if np.isfinite(foot.stride_period)
+        ]  # fmt: skip
+        some = "; strides and time on the ground: " + ", ".join(strides[:4]) if strides else ""
+        more = f" and {len(strides) - 4} more" if len(strides) > 4 else ""
+        downs = sum(len(foot.touchdowns) for foot in told)
+        refused = f"; refused: {len(self.feet) - len(told)}" if len(told) < len(self.feet) else ""
+        feet = count_of(len(self.feet), "foot").replace("foots", "feet")
+        return f"{count_of(downs, 'touchdown')} of {feet}, from {self.channel}{some}{more}{refused}."
 
     def __getitem__(self, name: str) -> FootTimes:
         for foot in self.feet:

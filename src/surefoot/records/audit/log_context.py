@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -168,13 +168,8 @@ def setting_of(log: Log, robot: Robot | None, limits: AuditLimits = LIMITS) -> S
     sinking, creep, stopping, settling = soft
     payload = stated(log, "payload")
     place = finite_array("the fact payload_position", log.facts.get("payload_position", np.zeros(3)), (3,))
-    for one, value in zip(softest, soft, strict=True):
-        name, most, unit = one.name, float(one.value or 0.0), one.info.unit
-        if value > most and (name != "sinking" or not _by_row(log) or _deepest(log) > most):
-            doubts.append(
-                f"the world declares a {name} of {value:.3g} {unit}: beyond {most:g} it hides anything; "
-                f"what helps is {REMEDIES[name]}"
-            )
+    kept = _by_row(log) and soft[0] > limits.softness.sinking and _deepest(log) <= limits.softness.sinking
+    doubts += softness_doubts([0.0 if kept else soft[0], *soft[1:]], limits)
     notes += _fact_notes(log, limits)
     if any(soft):
         deep = "; that is soft: a stiffer contact would show more" if sinking > limits.records.deep else ""
@@ -196,6 +191,17 @@ def setting_of(log: Log, robot: Robot | None, limits: AuditLimits = LIMITS) -> S
         velocities_after(log, dt, limits.records.clear), forces_late(log, dt, weight),
         plane or ground is not None, ground, tuple(notes), tuple(doubts), limits, lost,
     )  # fmt: skip
+
+
+def softness_doubts(soft: Sequence[float], limits: AuditLimits) -> Iterator[str]:
+    """Yield a line for each declared softness that hides anything: sinking, creep, stopping, settling."""
+    for one, value in zip(describe(limits.softness), soft, strict=True):
+        name, most, unit = one.name, float(one.value or 0.0), one.info.unit
+        if value > most:
+            yield (
+                f"the world declares a {name} of {value:.3g} {unit}: beyond {most:g} it hides anything; "
+                f"what helps is {REMEDIES[name]}"
+            )
 
 
 def _fact_notes(log: Log, limits: AuditLimits) -> Iterator[str]:

@@ -90,9 +90,10 @@ def _support_of(robot: Robot, foot: str, link: str) -> BoolArray | None:
     try:
         at = robot.foot_names.index(robot.foot(foot).name)
     except SurefootError:
-        if not link or not robot.model.existFrame(link):
+        joints = [int(f.parentJoint) for f in robot.model.frames if link and f.name == link]
+        if not joints:
             return None
-        return _moves(robot.model, int(robot.model.frames[robot.model.getFrameId(link)].parentJoint))
+        return _moves(robot.model, joints[-1])  # a link's frame comes after that of a joint of its name
     return np.asarray(robot.contact_points.foot_support[at])
 
 

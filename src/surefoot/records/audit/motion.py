@@ -7,6 +7,7 @@ import numpy as np
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.loaded import loaded_feet
 from surefoot.base.spatial import GRAVITY, rotation_from_quaternion
+from surefoot.records.audit.continuity import free_base
 from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.log import Log
 
@@ -58,7 +59,14 @@ def tilt_angles(q: FloatArray) -> FloatArray:
 
 
 def heading_velocity(log: Log) -> FloatArray:
-    """Return the base's velocity in its heading frame: (T, 3) forward, left [m/s], yaw rate [rad/s]."""
+    """Return the base's velocity in its heading frame: (T, 3) forward, left [m/s], yaw rate [rad/s].
+
+    Of a robot without a free base, whose q has no orientation, it is that of all its mass along x and y.
+    """
+    if not free_base(np.asarray(log["q"][:1]), np.asarray(log["v"][:1])):
+        out = np.zeros((len(log), 3))
+        out[:, :2] = log["momentum"][:, :2] / float(log.fact("mass"))
+        return out
     R = rotation_from_quaternion(log["q"][:, 3:7])
     linear = np.einsum("tij,tj->ti", R, log["v"][:, :3])
     angular = np.einsum("tij,tj->ti", R, log["v"][:, 3:6])

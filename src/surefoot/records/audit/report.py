@@ -140,6 +140,10 @@ class FrictionInterval:
         return f"{self.low:.2f}" if self.high - self.low < 0.005 else f"{self.low:.2f} to {self.high:.2f}"
 
 
+MOST_LEFT = 4
+"""Laws that were not judged whose names a sentence has."""
+
+
 @dataclass(frozen=True, repr=False)
 class AuditReport(Drawn):
     """The whole audit of a log.
@@ -299,12 +303,23 @@ class AuditReport(Drawn):
             rest = "".join(f"; {topic} were not judged" for topic in self.not_judged)
             return f"lawful: all {len(self.judged)} laws that could be judged hold ({span}){rest}{known}"
         if self.verdict == "cannot tell":
-            laws = f"; {count_of(len(self.judged), 'law')} judged, which hold: {', '.join(self.judged)}"
-            some = laws if self.judged else ""
-            return f"cannot tell whether it is lawful ({span}): {self.reason}{some}"
+            return f"cannot tell whether it is lawful ({span}): {self.reason}{self._judged_words}"
         count = len(self.violations) + sum(self.more.values())
         first = f"{self.symptoms[0]}" if self.symptoms else f"{self.violations[0]}"
         return f"broken: {count} violations of {', '.join(self.laws_broken)} ({span}); first of all {first}"
+
+    @property
+    def _judged_words(self) -> str:
+        """How many laws were judged and hold, and how many were not; empty where none was."""
+        held = self.judged
+        if not held:
+            return ""
+        all_hold = {1: "and holds", 2: "both hold"}.get(len(held), "all hold")
+        count = count_of(len(held), "law")
+        left = [name for name, why in self.coverage.items() if why]
+        more = f" and {len(left) - MOST_LEFT} more" if len(left) > MOST_LEFT else ""
+        rest = f"; {len(left)} not: {', '.join(left[:MOST_LEFT])}{more}" if left else ""
+        return f"; {count} judged, {all_hold}: {', '.join(held)}{rest}"
 
     @property
     def laws_broken(self) -> tuple[str, ...]:

@@ -13,8 +13,9 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.spatial import GRAVITY
 from surefoot.records.audit.log_context import Setting
-from surefoot.records.audit.rows import Measured, Rows
+from surefoot.records.audit.rows import Measured, Rows, over
 from surefoot.records.log import Log
 
 
@@ -36,7 +37,7 @@ def rebound(rows: Rows) -> Measured:
     if after is None:  # what is said to be a mean may be either end of it
         for end in (False, True):
             value = np.minimum(value, returned_work(rows.normal, up, dt, loaded, end)[0])
-    limit = np.maximum(limits.way * rows.setting.weight, limits.share * taken) + _unloading(rows)
+    limit = np.maximum(limits.way * rows.setting.weight, limits.share * taken) + _unloading(rows, loaded)
     any_loaded = rows.over_robot(loaded, np.logical_or)
     chain = _since_touchdown(rows.over_robot(_work(rows), np.add), any_loaded)
     begun = np.logical_or.accumulate(~any_loaded, axis=0)
@@ -53,21 +54,56 @@ def rebound(rows: Rows) -> Measured:
     return value, limit, (value > limit) & (together > limit) & returns
 
 
-def _unloading(rows: Rows) -> FloatArray:
+def throw(rows: Rows) -> Measured:
+    """Return the work of touches on contacts that leave faster than the world's law lets them: (T, p) [J].
+
+    By the fact `recoil`, a loaded contact comes out of the ground at no more than so many times the depth to
+    which it went in this touch, whatever presses on it; where it slides at v, a convex law opens it by mu v.
+    A spring's swing is faster, and what long steps find too late.
+    """
+    limits, margin = rows.setting.limits, _margin(rows)
+    if "recoil" not in rows.log.facts:
+        return over(np.zeros(rows.normal.shape), np.inf)
+    loaded = rows.loaded | (rows.gaps < margin)
+    depth = np.maximum(margin - rows.gaps, 0.0)
+    depth = np.maximum(depth, np.append(depth[1:], depth[-1:], axis=0))
+    deepest = _peak_since_touchdown(depth, loaded)
+    after = rows.setting.after
+    first, last = _both_ends(rows.velocities[..., 2], after)
+    if after is None:  # a row of means may end unloaded, and be pulled up
+        last = np.minimum(last, np.append(last[:1], last[:-1], axis=0))
+    recoil = max(float(rows.log.facts["recoil"]), 0.0)
+    slides = np.maximum(*(np.hypot(v[..., 0], v[..., 1]) for v in _both_ends(rows.velocities, after)))
+    slack = limits.laws.sliding_speed + GRAVITY * rows.dt[:, None]
+    fast = last > recoil * deepest + rows.mu * slides + slack
+    half = 0.5 * rows.normal * rows.dt[:, None]
+    work = half * (np.maximum(first, 0.0) + np.maximum(last, 0.0))
+    value = _since_touchdown(np.where(fast & rows.loaded, work, 0.0), loaded)
+    taken = -half * (np.minimum(first, 0.0) + np.minimum(last, 0.0))
+    taken = _since_touchdown(np.where(rows.loaded, taken, 0.0), loaded)
+    limit = np.maximum(limits.rebound.way * rows.setting.weight, limits.rebound.share * taken)
+    return value, limit, (value > limit) & fast & rows.loaded
+
+
+def _margin(rows: Rows) -> FloatArray:
+    """Return the gap from which each contact pushes: (p,) or one [m]."""
+    return np.asarray(rows.log.facts.get("contact_margin", 0.0), dtype=np.float64)
+
+
+def _unloading(rows: Rows, loaded: BoolArray) -> FloatArray:
     """Return what soft contacts give back when their load changes: (T, p) [J].
 
     A contact that is critically damped by its own law throws nothing; but MuJoCo's law sets how it comes out
     of the ground, not the force meanwhile: sunk under little load and left under much it gives up to force
     times depth, and a body on several contacts hands that from one to another.
+
+    `loaded` (T, p) are the touches.
     """
     damped = np.asarray(rows.log.facts.get("critically_damped", np.zeros(rows.points)), dtype=bool)
     if not damped.any() or not rows.has("gaps"):
         return np.zeros(rows.normal.shape)
-    margin = np.asarray(rows.log.facts.get("contact_margin", np.zeros(rows.points)))
-    depth = np.maximum(margin - rows.gaps, 0.0)
-    size = _peak_since_touchdown(np.maximum(rows.normal, 0.0), rows.loaded) * _peak_since_touchdown(
-        depth, rows.loaded
-    )
+    depth = np.maximum(_margin(rows) - rows.gaps, 0.0)
+    size = _peak_since_touchdown(np.maximum(rows.normal, 0.0), loaded) * _peak_since_touchdown(depth, loaded)
     return np.broadcast_to(rows.over_robot(size * damped, np.add), size.shape)
 
 

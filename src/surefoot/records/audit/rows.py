@@ -138,6 +138,11 @@ class Rows:
         own = "contact_friction" in self.log
         return np.maximum(self.numbers("contact_friction") if own else self.numbers("mu")[:, None], 0.0)
 
+    @property
+    def knows_creep(self) -> bool:
+        """Whether it is known of every row how fast its contacts creep."""
+        return "contact_creep" in self.log or "creep_slope" in self.log.facts
+
     @cached_property
     def creep(self) -> FloatArray:
         """Speed at which the world's soft friction lets contacts move: (T, p) or (1, 1) [m/s].
@@ -145,14 +150,20 @@ class Rows:
         By its own law a_t + b v_t + R f_t = 0, where the log has R f_t / b and b: that and what the contact
         is braked by, at least what holds the weight, since a_t is known to a step and a contact point's turn.
         """
-        if "contact_creep" not in self.log:
+        if not self.knows_creep:
             return np.full((1, 1), self.setting.creep)
         v = self.velocities[..., :2]
         along = v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-300)
         change = np.diff(v, axis=0, append=v[-1:])
         braked = np.maximum(-(change * along).sum(axis=-1), 0.0) / self.dt[:, None]
         rate = np.asarray(self.log.facts.get("contact_damping", np.full(self.points, np.inf)))
-        creep = np.maximum(self.numbers("contact_creep"), 0.0) + braked / np.maximum(rate, 1e-300)
+        late = braked / np.maximum(rate, 1e-300)
+        if "contact_creep" not in self.log:  # in proportion to what it holds, by the same law
+            slope = max(float(self.log.facts["creep_slope"]), 0.0) / max(self.setting.weight, 1e-300)
+            own = np.minimum(slope * self.tangential, self.setting.creep) + late
+            # means have no law of an instant: the largest creep is theirs
+            return np.asarray(np.maximum(own, self.setting.creep) if self.setting.means else own)
+        creep = np.maximum(self.numbers("contact_creep"), 0.0) + late
         most = self.setting.limits.records.creep
         return np.asarray(np.maximum(creep, min(float(self.log.facts.get("creep", 0.0)), most)))
 

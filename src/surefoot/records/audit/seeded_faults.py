@@ -2,7 +2,7 @@
 
 For whoever tests a detector, ours included. A fault takes a log, a seeded generator and its amplitude; it
 returns what it made, or None where the run does not suit it (a foot that should fly never does). Amplitudes
-are those of the table and of docs/audit.md.
+are those of the table and of docs/reports/audit.md.
 """
 
 from __future__ import annotations
@@ -65,8 +65,8 @@ def seeded_faults(log: Log, *kinds: str, seed: int = 0) -> Iterator[FaultyLog]:
     log
         A lawful run, as `sf.run` returns it. It is not changed.
     kinds
-        Names of docs/audit.md, such as "pull" or "delay"; all of them if none is given. One that does not
-        suit the run is left out: no foot of a robot that stands can push while it flies.
+        Names of docs/reports/audit.md, such as "pull" or "delay"; all of them if none is given. One that does
+        not suit the run is left out: no foot of a robot that stands can push while it flies.
     seed
         Of the faults' feet, times and directions.
 

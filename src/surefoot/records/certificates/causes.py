@@ -19,7 +19,7 @@ HELPS = 0.5
 CLEAR = 0.5
 """Share of the limit below which friction that is not there explains a frame: more of it hides a moment."""
 FALLS = 0.9
-"""Share of its weight that a stretch in the air needs on average at most while it falls, not hangs [m g]."""
+"""Share of its weight that a stretch in the air mostly needs at most while it falls: else it hangs [m g]."""
 
 
 def find_causes(
@@ -51,7 +51,8 @@ def find_causes(
     air = gaps[frames] > data.model.rules.clearance
     weight = data.model.rules.mass * GRAVITY
     for stretch in _stretches(frames[air]):
-        falls = float(np.mean(answer.needed[stretch, 2])) / weight < FALLS
+        # not the mean: a jump up or down at either end is in it
+        falls = float(np.median(answer.needed[stretch, 2])) / weight < FALLS
         cause[stretch] = "dynamics in flight" if falls else "hangs"
     rest = frames[~air]
     if names:

@@ -9,7 +9,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import GRAVITY
 from surefoot.records.certificates.frame_data import FrameData
-from surefoot.records.certificates.frame_kernels import solve_frame, workspace
+from surefoot.records.certificates.frame_kernels import solve_frame, sum_forces, workspace
 from surefoot.records.certificates.touching_points import TouchingPoints
 
 
@@ -113,3 +113,15 @@ def certificate_of(
         model.rules.mass,
         model.rules.arm,
     )
+
+
+def link_wrenches(data: FrameData, points: TouchingPoints) -> dict[str, FloatArray]:
+    """Return what the best forces of each link sum to, see `MotionReport.contact_wrenches`."""
+    links = [points.links[p] for p in data.model.points.owner]
+    names = list(dict.fromkeys(links))
+    group = np.array([names.index(link) for link in links], dtype=np.int64)
+    sums = np.full((len(data.model.motion.com), len(names), 6), np.nan)
+    sums[data.frames] = 0.0
+    sum_forces(data.model, data.frames, group, sums)
+    pressed = np.nan_to_num(np.abs(sums)).max(axis=(0, 2), initial=0.0) > 0.0
+    return {name: sums[:, n] for n, name in enumerate(names) if pressed[n]}

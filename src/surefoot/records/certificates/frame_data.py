@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -38,10 +40,16 @@ class Noise(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class FrameData:
-    """All arrays of a motion with the rules that they are judged by, and the noise of the data."""
+    """All arrays of a motion with the rules that they are judged by, and the noise of the data.
+
+    `motors_at` gives what the joints can give where the motion is played at another pace, and `paced_motors`
+    keeps it.
+    """
 
     model: Model
     noise: Noise
+    motors_at: Callable[[float], MotorArrays]
+    paced_motors: dict[float, MotorArrays] = field(default_factory=dict)
 
     @property
     def frames(self) -> IntArray:
@@ -63,7 +71,13 @@ class FrameData:
             np.full(count, np.nan),
             np.full(count, np.nan),
         )
-        solve_frames(self.model._replace(rules=self.model.rules._replace(**rules)), frames, answer)
+        model = self.model._replace(rules=self.model.rules._replace(**rules))
+        pace = rules.get("pace", 1.0)
+        if pace != 1.0:
+            if pace not in self.paced_motors:
+                self.paced_motors[pace] = self.motors_at(pace)
+            model = model._replace(motors=self.paced_motors[pace])
+        solve_frames(model, frames, answer)
         return answer
 
 
@@ -80,11 +94,11 @@ def frame_data(
     chosen, noise = _window(arrays, rules, step, window, settings)
     kept = _point_arrays(points, arrays, terrain, step, chosen)
     rules = rules._replace(clearance=settings.clearance + standing_height(kept, settings))
-    motors = _motors(robot, arrays, step, noise, settings)
+    motors_at = partial(_motors, robot, arrays, step, noise, settings)
     model = Model(
-        tree, arrays, kept, motors, _moves(tree, arrays.joints), chosen, frame_weights(chosen), rules
+        tree, arrays, kept, motors_at(1.0), _moves(tree, arrays.joints), chosen, frame_weights(chosen), rules
     )
-    return FrameData(model, noise)
+    return FrameData(model, noise, motors_at)
 
 
 def _motion_arrays(robot: Robot, tree: BodyTree, q: FloatArray, step: float) -> MotionArrays:
@@ -193,7 +207,7 @@ NEAR = 0.3
 
 
 def _motors(
-    robot: Robot, motion: MotionArrays, step: float, noise: Noise, settings: CertificateSettings
+    robot: Robot, motion: MotionArrays, step: float, noise: Noise, settings: CertificateSettings, pace: float
 ) -> MotorArrays:
     """Return what the joints can give at every frame: a stop any torque away from it, a motor its limit."""
     model, own = robot.model, file_actuators(robot)
@@ -205,7 +219,7 @@ def _motors(
     near = settings.at_stop + settings.sigmas * noise.joints
     least = np.where(single, model.lowerPositionLimit[angle], -np.inf)
     most = np.where(single, model.upperPositionLimit[angle], np.inf)
-    speed = np.gradient(motion.angles, step, axis=0) if len(motion.com) > 1 else np.zeros_like(low)
+    speed = pace * np.gradient(motion.angles, step, axis=0) if len(motion.com) > 1 else np.zeros_like(low)
     high[speed > fastest] = 0.0
     low[speed < -fastest] = 0.0
     low[motion.angles >= most - near] = -np.inf

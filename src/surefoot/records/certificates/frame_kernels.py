@@ -240,3 +240,28 @@ def solve_frames(model: Model, frames: IntArray, answer: Answer) -> None:
             answer.torques[k, work.joint[i] // 2] += work.r[6 + i] * weight * model.rules.arm
         answer.contacts[k], answer.sliding[k] = touch.points, touch.sliding
         answer.slowest[k], answer.lowest[k] = touch.slowest, touch.lowest
+
+
+@kernel
+def sum_forces(model: Model, frames: IntArray, group: IntArray, out: FloatArray) -> None:
+    """Fill what the best forces of frames sum to, by groups of points.
+
+    Parameters
+    ----------
+    frames
+        (n,) all with their windows in the motion.
+    group
+        (p,) group of each point.
+    out
+        (T, groups, 6) force and moment about the centre of mass, zero before [N, N m].
+    """
+    work = workspace(model.points.body.shape[0], model.tree.mass.shape[0], model.motion.joints.shape[0])
+    weight = model.rules.mass * GRAVITY
+    for k in frames:
+        count = solve_frame(model, k, work)[0]
+        for c in range(count):
+            sums = out[k, group[work.contacts.point[c]]]
+            for a in range(2 if work.contacts.mu[c] <= 0.0 else 0, 3):
+                for i in range(6):
+                    unit = weight if i < 3 else weight * model.rules.arm
+                    sums[i] += unit * work.contacts.maps[c, a, i] * work.forces[c, a]

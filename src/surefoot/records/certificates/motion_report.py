@@ -17,9 +17,13 @@ import numpy as np
 from surefoot.base.arrays import FloatArray, whole_number
 from surefoot.base.drawn import Drawn
 from surefoot.base.errors import ProblemError, writing
-from surefoot.base.text_files import path_of, plain_value
+from surefoot.base.text_files import free_path, plain_value
 from surefoot.records.certificates.certificate_settings import CertificateSettings
-from surefoot.records.certificates.frame_certificate import FrameCertificate, certificate_of
+from surefoot.records.certificates.frame_certificate import (
+    FrameCertificate,
+    certificate_of,
+    link_wrenches,
+)
 from surefoot.records.certificates.frame_data import FrameData
 from surefoot.records.certificates.frame_table import NO_WINDOW, FrameTable, MotionVerdict
 from surefoot.records.certificates.segments import Segment
@@ -136,6 +140,29 @@ class MotionReport(Drawn):
             )
         return certificate_of(self.data, self.points, self.motion.robot.joint_names, k)
 
+    def contact_wrenches(self) -> dict[str, FloatArray]:
+        """Return what the best forces of each link that may touch the ground sum to.
+
+        Returns
+        -------
+        dict
+            (T, 6) force and moment about the centre of mass, world axes, by link [N, N m]; NaN without a
+            window. Their sum, and what `frames` say is left, is `needed`, but for torque limits that bind.
+        """
+        return link_wrenches(self.data, self.points)
+
+    def columns(self) -> dict[str, Any]:
+        """Return columns by name: of `frames`, of the needed wrench and of `contact_wrenches`."""
+        out = self.frames.columns()
+        wrenches = {"needed": self.needed}
+        wrenches |= {f"contact_{link}": wrench for link, wrench in self.contact_wrenches().items()}
+        for name, wrench in wrenches.items():
+            for k, axis in enumerate("xyz"):
+                out[f"{name}_force_{axis}"] = wrench[:, k]
+            for k, axis in enumerate("xyz"):
+                out[f"{name}_moment_{axis}"] = wrench[:, 3 + k]
+        return out
+
     def __repr__(self) -> str:
         frames, name = len(self.motion), self.motion.name
         return f"MotionReport({name!r}, {self.verdict!r}, {frames} frames, {len(self.segments)} segments)"
@@ -180,27 +207,19 @@ class MotionReport(Drawn):
         return out
 
     def to_json(self, path: Path | str) -> Path:
-        """Write verdict, segments and frames as JSON into a new file and return its path."""
-        place = _new_file(path)
-        columns = plain_value(self.frames.columns())
+        """Write verdict, segments and `columns` as JSON into a new file and return its path."""
+        place = free_path(path)
+        columns = plain_value(self.columns())
         text = json.dumps({**self.plain(), "columns": columns}, indent=1)
         with writing(place):
             place.write_text(text + "\n", encoding="utf-8")
         return place
 
     def to_csv(self, path: Path | str) -> Path:
-        """Write a row a frame as CSV into a new file and return its path."""
-        place, columns = _new_file(path), self.frames.columns()
+        """Write `columns`, a row a frame, as CSV into a new file and return its path."""
+        place, columns = free_path(path), self.columns()
         with writing(place), place.open("w", newline="", encoding="utf-8") as file:
             out = csv.writer(file)
             out.writerow(columns)
             out.writerows(zip(*plain_value(columns).values(), strict=True))
         return place
-
-
-def _new_file(path: Path | str) -> Path:
-    """Return a path that is free, or refuse it: nothing that exists is overwritten."""
-    place = path_of(path)
-    if place.exists():
-        raise ProblemError(f"{place} exists already")
-    return place

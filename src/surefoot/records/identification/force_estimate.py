@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, finite_array, numbers, of_kind, real_number
-from surefoot.base.errors import ProblemError
+from surefoot.base.drawn import Drawn
+from surefoot.base.errors import ProblemError, count_of
 from surefoot.mechanics import (
     Robot,
     Stance,
@@ -37,13 +38,13 @@ RANK = 1e-9
 """Singular values below this share of the largest are not seen by the measurements."""
 
 
-@dataclass(frozen=True)
-class ForceEstimate:
+@dataclass(frozen=True, repr=False)
+class ForceEstimate(Drawn):
     """Forces that explain a motion best.
 
     Attributes
     ----------
-    forces
+    stacked
         (sum of dims,) contact forces (wrenches of soles), contact frames, in the stance's order [N, N m].
     std
         (sum of dims,) standard deviation of each [N, N m], from those of torques and acceleration; infinite
@@ -64,7 +65,7 @@ class ForceEstimate:
         The contacts.
     """
 
-    forces: FloatArray
+    stacked: FloatArray
     std: FloatArray
     misfit: float
     lawful: bool
@@ -72,9 +73,29 @@ class ForceEstimate:
     verdict: Verdict | None
     stance: Stance
 
+    def __repr__(self) -> str:
+        return f"ForceEstimate({len(self.stance)} contacts, misfit={self.misfit:.3g}, lawful={self.lawful})"
+
+    def __str__(self) -> str:
+        load = float(np.linalg.norm(self.world_forces.sum(axis=0)))
+        kind = "lawful" if self.lawful else "not lawful"
+        lawful = {"yes": "lawful forces explain the motion", "no": "no lawful forces explain the motion"}
+        said = lawful.get(self.explainable, "whether lawful forces explain the motion cannot be told")
+        return f"Forces of {count_of(len(self.stance), 'contact')}, {load:.4g} N together, {kind}; {said}."
+
+    @property
+    def forces(self) -> FloatArray:
+        """(n, 3) force of each contact in its frame [N]: tangent, tangent, normal."""
+        return self.stance.force_rows(self.stacked)
+
+    @property
+    def world_forces(self) -> FloatArray:
+        """(n, 3) force of each contact in world axes [N]."""
+        return self.stance.force_rows(self.stacked, "world")
+
     def by_contact(self) -> dict[str, FloatArray]:
         """Return the force (3,) [N] or wrench (6,) [N, N m] of each contact by its name."""
-        return {c.name: self.forces[part] for c, part in zip(self.stance, self.stance.slices, strict=True)}
+        return {c.name: self.stacked[part] for c, part in zip(self.stance, self.stance.slices, strict=True)}
 
 
 def estimate_forces(

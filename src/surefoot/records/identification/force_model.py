@@ -30,7 +30,8 @@ import numpy as np
 from scipy import stats
 
 from surefoot.base.arrays import BoolArray, FloatArray
-from surefoot.base.errors import ProblemError
+from surefoot.base.drawn import Drawn
+from surefoot.base.errors import ProblemError, count_of
 from surefoot.base.numerics.phases import debounced
 from surefoot.mechanics import Robot
 from surefoot.records.identification.leg_motion import (
@@ -67,8 +68,8 @@ SLIPPING = 0.3
 """Speed that no rail can give a foot on the ground [m/s]."""
 
 
-@dataclass(frozen=True)
-class FootForces:
+@dataclass(frozen=True, repr=False)
+class FootForces(Drawn):
     """Forces on the foot, row by row.
 
     Attributes
@@ -96,9 +97,18 @@ class FootForces:
     touchdowns: FloatArray
     friction_used: FloatArray
 
+    def __repr__(self) -> str:
+        return f"FootForces({len(self.time)} rows, {len(self.touchdowns)} touchdowns)"
 
-@dataclass(frozen=True)
-class ForceModel:
+    def __str__(self) -> str:
+        most = float(np.nanmax(np.linalg.norm(self.forces, axis=1), initial=0.0))
+        span = float(self.time[-1] - self.time[0]) if len(self.time) else 0.0
+        downs = count_of(len(self.touchdowns), "touchdown")
+        return f"Forces on a foot over {span:.4g} s, at most {most:.4g} N, {downs}."
+
+
+@dataclass(frozen=True, repr=False)
+class ForceModel(Drawn):
     """Joint friction, motor constants, inertia and a sensor's axes of one leg, found with a force sensor.
 
     Attributes
@@ -144,6 +154,18 @@ class ForceModel:
     joints: dict[str, dict[str, tuple[float, float, float]]]
     ends: FloatArray = field(default_factory=lambda: np.zeros((2, 1)))
     notes: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        rms = np.round(self.rms, 2).tolist()
+        return f"ForceModel({self.robot.name!r}, {len(self.joints)} joints, rms={rms} N)"
+
+    def __str__(self) -> str:
+        found = "; ".join(
+            f"{joint}: " + ", ".join(f"{term} {value:.3g}" for term, (value, _, _) in [*terms.items()][:3])
+            for joint, terms in [*self.joints.items()][:3]
+        )
+        rms = ", ".join(f"{one:.2g}" for one in self.rms)
+        return f"Forces of {self.robot.name}: errors of {rms} N (rms, not seen by the fit); {found}."
 
     @classmethod
     def fit(cls, robot: Robot, log: LegLog | str | Path) -> ForceModel:

@@ -2,8 +2,8 @@
 
 In order: the ground from where the body came to rest; gravity, first states and centres of mass from free
 flight; the body, with a first law, from the frames just after the first touch; and then a contact law from
-all frames. Each step is the same search (`toss_search`) over simulated tosses. Every interval is a bootstrap
-over tosses, the same resamples for all of them.
+all frames, and all of it together under that law (`toss_refit`). Each step is the same search (`toss_search`)
+over simulated tosses. Every interval is a bootstrap over tosses, the same resamples for all of them.
 """
 
 from __future__ import annotations
@@ -26,6 +26,14 @@ from surefoot.records.identification.toss_errors import deviations, resample, to
 from surefoot.records.identification.toss_fit import BodyFit, Estimate, TossFit
 from surefoot.records.identification.toss_impacts import judged_impacts
 from surefoot.records.identification.toss_model import ThrownModel, TossModel, TossScene
+from surefoot.records.identification.toss_refit import (
+    SLOPES,
+    Refit,
+    estimate_of,
+    ground_parameter,
+    refit_body,
+    scene_at,
+)
 from surefoot.records.identification.toss_search import SearchResult, search
 from surefoot.records.identification.toss_start import TossFlight, flying_frames
 from surefoot.records.identification.tosses import Tosses, read_tosses
@@ -40,8 +48,6 @@ SOON, LATER = 8, 25
 """Frames after the first touch that tell the body: few, while the law is still wrong, then more."""
 SURE = 0.2
 """Standard error of gravity [m/s²] above which the standard value is taken."""
-SLOPES = ("slope_x", "slope_y")
-"""What the ground's slopes are called among what is held."""
 WIDE = 0.15
 """Height above a ground that levelled tosses tell, to a few mm, that counts as flight, in widths."""
 UNKNOWN = 0.5
@@ -111,15 +117,28 @@ def identify(
         found = identify_body(tosses, body, first, draws, tick, find_levelled(tosses, body))
     tosses = found.upright(tosses)
     scene, before, own = found.scene(tosses), found.before(tosses), simulator.parameters
-    values, spread, settled = np.array([found.values.get(p.name, p.start) for p in own]), draws, True
-    known = all(p.name in found.values for p in own)
+    values = np.array([found.values.get(p.name, p.start) for p in own])
+    starts, known = (values,), all(p.name in found.values for p in own)
     for horizon in (len(tosses.states),) if known else (LATER, len(tosses.states)):
-        best = _search_law(tosses, simulator, found, scene, before + horizon, values, draws, tick)
-        values, spread, settled = best.values, best.draws, best.settled
+        scale = found.scale if horizon > LATER else None
+        ends, sizes = before + horizon, (found.first[0].width, found.first[0].arm)
+        best = _search_law(tosses, simulator, scene, ends, (values, *starts), (scale, *sizes), draws, tick)
+        values = best.values
+    refit = refit_body(tosses, simulator, found._replace(scale=best.scale), values, draws, tick)
     notes = list(found.notes)
-    if not settled:
+    if not refit.result.settled:
         notes.append(f"{simulator.name}: the search did not settle; take the intervals as too narrow")
-    fitted = {p.name: _estimate(values[k], spread[:, k], p.unit) for k, p in enumerate(own)}
+    return _judge_fit(simulator, tosses, others, refit, notes, (count, begin))
+
+
+def _judge_fit(
+    simulator: TossModel, tosses: Tosses, others: Tosses | None, refit: Refit, notes: list[str],
+    effort: tuple[float, float],
+) -> TossFit:  # fmt: skip
+    """Return a fit with its errors; `effort` is how many tosses were simulated, and when it began [s]."""
+    values, spread, found, own = refit.values, refit.draws, refit.found, simulator.parameters
+    scene, before, (count, begin) = found.scene(tosses), found.before(tosses), effort
+    fitted = {p.name: estimate_of(values[k], spread[:, k], p.unit) for k, p in enumerate(own)}
     wide = [p.name for p in own if fitted[p.name].high - fitted[p.name].low > UNKNOWN * (p.high - p.low)]
     if wide:
         notes.append(f"{simulator.name}: the tosses hardly tell {', '.join(wide)}")
@@ -135,7 +154,7 @@ def identify(
         simulator.name, fitted | found.parameters, toss_errors(tosses, poses, width, before), test_errors,
         poses, test_poses, found,
         judged_impacts((tosses, scene), (judged, test_scene), simulator, values, noise), *noise,
-        count / len(tosses), time.perf_counter() - begin, tuple(notes),
+        refit.result.loss, count / len(tosses), time.perf_counter() - begin, tuple(notes),
     )  # fmt: skip
 
 
@@ -149,31 +168,25 @@ def _body_of_tosses(model: Robot | str | Path | None, tosses: Tosses, others: To
 
 
 def _search_law(
-    tosses: Tosses, simulator: TossModel, found: BodyFit, scene: TossScene, ends: IntArray,
-    values: FloatArray, draws: FloatArray, tick: Callable[[float], None],
+    tosses: Tosses, simulator: TossModel, scene: TossScene, ends: IntArray, starts: Sequence[FloatArray],
+    measure: tuple[float | None, float, float], draws: FloatArray, tick: Callable[[float], None],
 ) -> SearchResult:  # fmt: skip
-    """Fit a law to the frames before (B,) ends; how far the body's numbers are known has its share."""
-    part, names, count = tosses.until(ends), list(found.draws), len(values)
-    values = np.append(values, [found.values[name] for name in names])
-    fixed, whole = values[count:], bool((ends >= tosses.frames).all())
+    """Fit a law to the frames before (B,) ends, from several starts (d,); the body is held.
+
+    The loss is robust from an error on, and in widths [m], a turn counts by an arm [m]: the `measure`.
+    """
+    scale, *sizes = measure
+    part = tosses.until(ends)
+    here = scene._replace(frames=part.frames)
 
     def simulate(values: FloatArray) -> FloatArray:
         tick(len(part.states) / len(tosses.states) * len(tosses))
-        here = scene._replace(frames=part.frames)
-        if np.any(values[count:] != fixed):
-            now = found.values | dict(zip(names, values[count:].tolist(), strict=True))
-            here = _scene(part, found.nominal.at(now), found.flight, now)
-        return deviations(part, simulator.rollout(values[:count], here), here.body.width, here.body.arm)
+        return deviations(part, simulator.rollout(values, here), *sizes)
 
-    held = np.stack([found.draws[name] for name in names], axis=1) if whole else None
-    return search(simulate, simulator.parameters, values, part.frames, draws, held)
-
-
-def _scene(tosses: Tosses, body: ThrownBody, flight: TossFlight, now: dict[str, float]) -> TossScene:
-    """Return the scene of a body and a ground whose numbers are these, by name."""
-    plane = GroundPlane(now["ground"], np.array([now[name] for name in SLOPES]))
-    starts = flight.corrected(body.tree, now["gravity"])
-    return TossScene(starts, tosses.frames, tosses.dt, plane, now["gravity"], body)
+    first, *others = starts
+    return search(
+        simulate, simulator.parameters, first, part.frames, draws, others=others, scale=scale
+    )  # fmt: skip
 
 
 def identify_body(
@@ -210,13 +223,14 @@ def identify_body(
         notes.append(f"{grounded} tosses start too near the ground: their first recorded velocity is used")
     estimates = part.estimates | {"gravity": fit.estimates["gravity"]}
     for k, name in enumerate(("tilt_x", "tilt_y")):
-        estimates[name] = _estimate(
+        estimates[name] = estimate_of(
             np.degrees(np.arctan(slope[k])), np.degrees(np.arctan(planes[:, 1 + k])), "deg"
         )
     ground = GroundPlane(values["ground"], plane.slope, clear)
     return BodyFit(
-        known, ground, gravity, estimates, flight, values, part.draws, body, levelled, tuple(notes)
-    )
+        known, ground, gravity, estimates, flight, values, part.draws, body, levelled, tuple(notes),
+        (known, ground, gravity),
+    )  # fmt: skip
 
 
 class _BodySearch:
@@ -257,8 +271,11 @@ class _BodySearch:
 
     def lands(self, horizon: int, draws: FloatArray) -> None:
         """Find everything else, in so many frames after the first touch."""
-        ground = TossParameter("ground", self._plane.height, 2e-4, -1e3, 1e3, "m")
-        self._fit((*self._law.parameters, ground, *self._body.parameters), horizon, draws)
+        self._fit(
+            (*self._law.parameters, ground_parameter(self._plane.height), *self._body.parameters),
+            horizon,
+            draws,
+        )
 
     def _fit(self, parameters: Sequence[TossParameter], horizon: int | None, draws: FloatArray) -> None:
         law, given = [p.name for p in self._law.parameters], ["gravity", *SLOPES] if horizon else []
@@ -269,7 +286,7 @@ class _BodySearch:
         def simulate(values: FloatArray) -> FloatArray:
             now = fixed | dict(zip([*names, *given], values.tolist(), strict=True))
             now["ground"] = now["ground"] if horizon is not None else -1e3
-            scene = _scene(part, self._body.at(now), self._flight, now)
+            scene = scene_at(part, self._body.at(now), self._flight, now)
             self._tick(len(part.states) / len(self._tosses.states) * len(self._tosses))
             poses = self._law.rollout(np.array([now[name] for name in law]), scene)
             return deviations(part, poses, width, arm)
@@ -281,11 +298,6 @@ class _BodySearch:
         for k, p in enumerate(parameters):
             if p.name not in law:
                 self.draws[p.name] = best.draws[:, k]
-                self.estimates[p.name] = _estimate(best.values[k], best.draws[:, k], p.unit)
+                self.estimates[p.name] = estimate_of(best.values[k], best.draws[:, k], p.unit)
         now = self._body.at(self.values)
         self._flight = TossFlight(self._tosses, self._before, now.tree, self.values["gravity"])
-
-
-def _estimate(value: float, draws: FloatArray, unit: str) -> Estimate:
-    low, high = np.percentile(draws, [2.5, 97.5])
-    return Estimate(float(value), min(float(low), float(value)), max(float(high), float(value)), unit)

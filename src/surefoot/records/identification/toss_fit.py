@@ -51,6 +51,10 @@ class BodyFit(NamedTuple):
         How the tosses stood before they were levelled one by one; None if they were not.
     notes
         A line each.
+    first
+        Body, ground and gravity by which first touches and first states were found: those before a law's fit.
+    scale
+        The error from which a law's loss is robust [widths]: one for all laws; None before the first.
     """
 
     body: ThrownBody
@@ -63,11 +67,15 @@ class BodyFit(NamedTuple):
     nominal: ThrownBody
     levelled: Levelling | None
     notes: tuple[str, ...]
+    first: tuple[ThrownBody, GroundPlane, float]
+    scale: float | None = None
 
     def scene(self, tosses: Tosses) -> TossScene:
         """Return the scene of tosses, these or others of the same body on the same ground."""
-        flight = TossFlight(tosses, self.before(tosses), self.body.tree, self.gravity)
-        return TossScene(flight.starts, tosses.frames, tosses.dt, self.plane, self.gravity, self.body)
+        body, _, gravity = self.first
+        flight = TossFlight(tosses, self.before(tosses), body.tree, gravity)
+        starts = flight.corrected(self.body.tree, self.gravity)
+        return TossScene(starts, tosses.frames, tosses.dt, self.plane, self.gravity, self.body)
 
     def upright(self, tosses: Tosses) -> Tosses:
         """Return tosses in the axes of the scene, which are their own unless they were levelled."""
@@ -75,8 +83,8 @@ class BodyFit(NamedTuple):
 
     def before(self, tosses: Tosses) -> IntArray:
         """Return (B,) the frames before the first touch."""
-        places = sphere_places(self.body.tree, tosses.poses)
-        return flying_frames(tosses, places, self.plane, self.body.width)
+        body, plane, _ = self.first
+        return flying_frames(tosses, sphere_places(body.tree, tosses.poses), plane, body.width)
 
 
 @dataclass(frozen=True, repr=False)
@@ -99,6 +107,9 @@ class TossFit(Drawn):
         Errors in first impacts, of the test where there is one; None where few are over at once.
     position_noise, rotation_noise
         Standard deviations of a recorded coordinate [m] and angle [rad], from free flight.
+    loss
+        Robust mean [widths] over the tosses it was fitted to, see `toss_search`: that of a law which contains
+        another one is not larger.
     evaluations, seconds
         How often all tosses were simulated [-], and how long the fit took [s].
     notes
@@ -115,6 +126,7 @@ class TossFit(Drawn):
     impacts: ImpactFit | None
     position_noise: float
     rotation_noise: float
+    loss: float
     evaluations: float
     seconds: float
     notes: tuple[str, ...]

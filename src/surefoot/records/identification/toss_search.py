@@ -9,11 +9,13 @@ A single toss jumps where a corner lands first, the mean over many hardly does, 
 steps that show have slopes to go by. They are taken along the principal axes of the curvature: parameters
 that make up for each other leave a valley across them, and single steps see its bend rather than its fall.
 What is left of the jumps are small valleys beside each other. A search therefore looks at points around
-where it ended, single parameters moved and all of them at random, and starts again from the best of them.
+where it ended, single parameters moved and all of them at random, and starts again from the best of them. At
+the end single parameters are moved by a third of a step to twelve steps until none of these moves pays.
 
-Intervals are bootstraps of the linearised fit, of what leaving out each toss moves (the jackknife, since few
-tosses can bend a fit to themselves), with a share for what is held but not exactly known. The model is a
-black box: all get this search.
+Intervals are bootstraps over tosses: each sample takes the point that is best for its tosses, of all that the
+search has been at, which is as far away as the loss is rough, and from there the step of the linearised fit,
+by what leaving out each toss moves (the jackknife, since few tosses can bend a fit to themselves), with a
+share for what is held but not exactly known. The model is a black box: all get this search.
 
 References
 ----------
@@ -47,6 +49,17 @@ FEW = 6
 """Parameters up to which another start need not itself be better than the best point: descents are cheap."""
 PART, NEAR, WIDEST = 0.5, 2e-3, 10.0
 """Differences move tosses by this share of the median error or of so many widths, within so many steps."""
+WAYS = (0.3, 1.0, 3.5, 12.0)
+"""Moves of a single parameter in the first round of the polish, either way [steps]."""
+FACTORS = (1.0, 0.6, 1.7, 0.35, 1.3, 0.8, 0.5, 1.5, 0.25, 1.1, 0.7, 2.0)
+"""Factors on these moves, round by round: a round looks where the one before did not."""
+ALONE = 2e-3
+"""Relative decrease of the loss by one parameter alone from which a further round is made."""
+FAR, ELSEWHERE = 0.05, 0.01
+"""A move that raises the loss by the first share was too far: longer ones to that side are left out, until a
+round has lowered it by the second."""
+SHORTER, THIRDS = 1.0 / 3.0, 4
+"""Where the shortest move is too far, it is shortened by this factor so often at most until it is not."""
 NARROW = 1e-4
 """Least share of a mean curvature along an axis that counts as measured."""
 HIDDEN = 1e-6
@@ -63,12 +76,16 @@ class SearchResult(NamedTuple):
     draws
         (S, d) the same for each bootstrap sample.
     settled
-        Whether the loss had stopped falling.
+        Whether the loss had stopped falling, along single parameters too.
+    loss, scale
+        Of the values, and the error c from which it is robust [widths].
     """
 
     values: FloatArray
     draws: FloatArray
     settled: bool
+    loss: float
+    scale: float
 
 
 class TossResiduals(NamedTuple):
@@ -78,6 +95,11 @@ class TossResiduals(NamedTuple):
     loss: float
     errors: FloatArray
     scale: float
+
+    @property
+    def robust(self) -> FloatArray:
+        """(B,) the loss of each toss."""
+        return np.asarray(np.sqrt(self.scale**2 + self.errors**2) - self.scale)
 
 
 class Slopes(NamedTuple):
@@ -100,6 +122,10 @@ def search(
     frames: IntArray,
     draws: FloatArray,
     held: FloatArray | None = None,
+    *,
+    others: Sequence[FloatArray] = (),
+    scale: float | None = None,
+    descents: int = STARTS,
 ) -> SearchResult:
     """Fit parameters.
 
@@ -115,6 +141,12 @@ def search(
         (S, B) weights of the tosses in each bootstrap sample.
     held
         (S, h) what the bootstrap samples say of the numbers that are held; none if there are none.
+    others
+        (d,) further points to start from. The result is at least as good as each of them, and as `values`.
+    scale
+        The error c from which the loss is robust [widths]; None for the median error at the start.
+    descents
+        Most descents; with 0 single parameters alone are moved.
     """
     first, count = np.cumsum(frames) - frames, len(parameters)
     low, high, steps = (np.array([getattr(p, k) for p in parameters]) for k in ("low", "high", "step"))
@@ -124,16 +156,11 @@ def search(
         found = simulate(np.concatenate([values, others]))
         return np.clip(np.nan_to_num(found, nan=LOST), -LOST, LOST)
 
-    valley = _Valley(rows, first, frames, (low, high), steps, values)
-    settled = valley.descend(values)
-    for number in range(1, STARTS):
-        before = valley.best.loss
-        start = valley.around(number, better=count > FEW)
-        if start is None:
-            break
-        done = valley.descend(start)
-        if valley.best.loss < (1.0 - SAME) * before:
-            settled = done
+    valley = _Valley(rows, first, frames, (low, high), steps, values, scale)
+    for other in others:
+        valley.at(np.clip(other, low, high))
+    settled = descents == 0 or _descend_often(valley, [values, *others], descents)
+    settled &= valley.polish()
     values, here = valley.values, valley.best
     slopes = valley.slopes(values, here)
     moments = slopes.moments  # flat beyond c, the loss bends by less than its squares do
@@ -145,7 +172,27 @@ def search(
     moved = (draws - 1.0) @ np.einsum("bkl,bl->bk", _inverse(total - squares), moments)
     if held is not None:
         moved += _share(rows, values, fixed, held, here, slopes) @ _inverse(total)
-    return SearchResult(values, np.clip(values - steps * moved, low, high), settled)
+    spread = np.clip(valley.best_points(draws) - steps * moved, low, high)
+    return SearchResult(values, spread, settled, here.loss, here.scale)
+
+
+def _descend_often(valley: _Valley, starts: Sequence[FloatArray], most: int) -> bool:
+    """Go down from several points; return whether the last descent that paid had come to its end."""
+    few = len(starts[0]) <= FEW
+    settled = True
+    for start in starts if few else [valley.values]:
+        before = valley.best.loss
+        done = valley.descend(start)
+        settled = done if valley.best.loss < before else settled
+    for number in range(1, most):
+        before = valley.best.loss
+        around = valley.around(number, better=not few)
+        if around is None:
+            break
+        done = valley.descend(around)
+        if valley.best.loss < (1.0 - SAME) * before:
+            settled = done
+    return settled
 
 
 class _Valley:
@@ -153,12 +200,13 @@ class _Valley:
 
     def __init__(
         self, rows: Callable[[FloatArray], FloatArray], first: IntArray, frames: IntArray,
-        ends: tuple[FloatArray, FloatArray], steps: FloatArray, values: FloatArray,
+        ends: tuple[FloatArray, FloatArray], steps: FloatArray, values: FloatArray, scale: float | None,
     ) -> None:  # fmt: skip
         self._rows, self._first, self._frames, self._ends, self._steps = rows, first, frames, ends, steps
         self._axes = np.eye(len(values))
-        self.values, self.best = values, _residuals(rows(values), first, frames, None)
+        self.values, self.best = values, _residuals(rows(values), first, frames, scale)
         self._last, self._there = values, self.best
+        self._tried = [(values, self.best.robust)]
 
     def at(self, values: FloatArray) -> TossResiduals:
         """Return the deviations at values (d,), and remember them if they are the best."""
@@ -166,6 +214,7 @@ class _Valley:
             return self._there
         there = _residuals(self._rows(values), self._first, self._frames, self.best.scale)
         self._last, self._there = values.copy(), there
+        self._tried.append((self._last, there.robust))
         if there.loss < self.best.loss:
             self.values, self.best = self._last, there
         return there
@@ -200,6 +249,55 @@ class _Valley:
             method="trf", ftol=SAME, xtol=1e-4, gtol=1e-12, x_scale="jac", max_nfev=TRIALS,
         )  # fmt: skip
         return bool(found.status > 0)
+
+    def polish(self) -> bool:
+        """Move single parameters, wherever that pays; return whether none of a whole round's moves did.
+
+        Rounds leave out what was too far before, until one brings little: the next leaves out nothing.
+        """
+        random, whole = np.random.default_rng(0), False
+        far = np.full((2, len(self._steps)), np.inf)  # to either side, the shortest move that was too far
+        for factor in FACTORS:
+            begin, most = self.best.loss, 0.0
+            for k in random.permutation(len(self._steps)):
+                before, middle = self.best.loss, self.values[k]
+                for i, side in enumerate((1.0, -1.0)):
+                    known = np.inf if whole else far[i, k]
+                    far[i, k] = min(known, self._move_alone(k, middle, side, factor, known, whole))
+                most = max(most, 1.0 - self.best.loss / max(before, 1e-300))
+            if most < ALONE and whole:
+                return True
+            whole = most < ALONE
+            if self.best.loss < (1.0 - ELSEWHERE) * begin:  # what was too far there need not be so here
+                far[:] = np.inf
+        return False
+
+    def _move_alone(
+        self, k: int, middle: float, side: float, factor: float, known: float, whole: bool
+    ) -> float:
+        """Move parameter k from a value to one side; return the shortest move [steps] that was too far."""
+
+        def is_far(way: float) -> bool:
+            point, (low, high) = self.values.copy(), self._ends
+            point[k] = np.clip(middle + side * way * self._steps[k], low[k], high[k])
+            return bool(self.at(point).loss > (1.0 + FAR) * self.best.loss)
+
+        nearest, short = known, factor * WAYS[0]
+        for way in WAYS:
+            if (whole or factor * way < nearest) and is_far(factor * way):
+                nearest = min(nearest, factor * way)
+        for _ in range(THIRDS):
+            if nearest > short:
+                break
+            short *= SHORTER
+            if short < nearest and is_far(short):
+                nearest = short
+        return nearest
+
+    def best_points(self, draws: FloatArray) -> FloatArray:
+        """Return (S, d) the best of all points that were tried, for weights (S, B) of the tosses."""
+        points, losses = (np.array(part) for part in zip(*self._tried, strict=True))
+        return np.asarray(points[np.argmin(draws @ losses.T, axis=1)])
 
     def around(self, seed: int, better: bool) -> FloatArray | None:
         """Return the best point (d,) of those around the best one; with `better`, None if it is no better."""

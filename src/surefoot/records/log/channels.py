@@ -139,6 +139,10 @@ _TABLE = (
     Channel("q_estimated", ("nq",), "m, rad", "world", meaning="configuration as estimated, like q"),
     Channel("v_estimated", ("nv",), "m/s, rad/s", "base", meaning="velocity as estimated, like v"),
     Channel("contact_estimated", ("n",), flag=True, meaning="which feet touch, as the controller is given"),
+    Channel(
+        "innovations", ("n",), "1", meaning="of each foot, squared over three: one where beliefs are right"
+    ),
+    Channel("trusted", (), flag=True, meaning="whether the estimate is as good as it says"),
     Channel("estimator_time", (), "s", meaning="wall time of the estimator's step"),
     Channel("load_estimated", (4,), "kg, kg m", "base", meaning="unknown payload: mass, first moment"),
     Channel("wrench_estimated", (6,), "N, N m", "world", meaning="other wrench from outside, about the base"),

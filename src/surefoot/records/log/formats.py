@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from surefoot.base.errors import ProblemError, WriteError
-from surefoot.records.log import csv_file, kept_states, mcap_file, npz, part_files, rosbag
+from surefoot.records.log import csv_file, csv_folder, kept_states, mcap_file, npz, part_files, rosbag
 from surefoot.records.log.contents import LogContents
 from surefoot.records.log.source import Source
 
@@ -44,10 +44,19 @@ class Format:
     marker: str = ""
 
 
+def _arrays(path: Path) -> Source:
+    """Return the table that somebody's archive of arrays is; its reader is loaded where one is read."""
+    from surefoot.records.log import npz_table
+
+    return npz_table.source(path)
+
+
 FORMATS: dict[str, Format] = {
     "npz": Format("npz", (".npz",), npz.read, npz.write),
+    "arrays": Format("arrays", (), source=_arrays),
     "parts": Format("parts", (".parts",), part_files.read, marker=part_files.FACTS_FILE),
     "csv": Format("csv", (".csv", ".tsv"), source=csv_file.source),
+    "csv folder": Format("csv folder", (), source=csv_folder.source),
     "mcap": Format("mcap", (".mcap",), write=mcap_file.write, source=mcap_file.source),
     "rosbag": Format("rosbag", (".bag", ".db3"), source=rosbag.source, marker=rosbag.MARKER),
 }
@@ -58,8 +67,17 @@ def register_format(new: Format) -> None:
     FORMATS[new.name] = new
 
 
+def _is_foreign(path: Path) -> bool:
+    """Return whether an .npz file is no log of ours, nor what is left of one."""
+    from surefoot.records.log import npz_table
+
+    return path.is_file() and npz_table.is_foreign(path)
+
+
 def format_of(path: Path) -> Format:
     """Return the format of a file by its suffix, of a folder by what lies in it; else it holds parts.
+
+    An .npz file of arrays that are not a log of ours is a table, as a .csv file is.
 
     Raises
     ------
@@ -68,10 +86,11 @@ def format_of(path: Path) -> Format:
     """
     for entry in FORMATS.values():
         if path.name.lower().endswith(entry.suffixes):
-            return entry
+            return FORMATS["arrays"] if entry.read is npz.read and _is_foreign(path) else entry
     if path.is_dir():
         marked = (f for f in FORMATS.values() if f.marker and (path / f.marker).exists())
-        return next(marked, FORMATS["parts"])
+        tables = FORMATS["csv folder"] if csv_folder.is_folder(path) else FORMATS["parts"]
+        return next(marked, tables)
     valid = ", ".join(sorted(s for entry in FORMATS.values() for s in entry.suffixes))
     raise ProblemError(f"{path} is not a Surefoot log: its name should end in one of {valid}")
 
@@ -85,6 +104,8 @@ def new_file(path: Path) -> tuple[Path, Callable[[Any, Path], None]]:
         For a format that is only read, or a file that exists.
     """
     path = path if path.suffix or not path.name else path.with_name(path.name + ".npz")
+    if path.is_file():
+        raise ProblemError(f"{path} exists already")
     entry = format_of(path)
     if entry.write is None:
         raise ProblemError(f"{path}: logs of the format {entry.name} can be read, not written")

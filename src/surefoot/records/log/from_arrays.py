@@ -10,31 +10,13 @@ import numpy as np
 from surefoot.base.arrays import of_kind, positive_number
 from surefoot.base.errors import ProblemError, check_name, shown
 from surefoot.contact import Sole
+from surefoot.records.log.array_names import ALIASES, PER_FOOT
 from surefoot.records.log.channels import CHANNELS
-from surefoot.records.log.from_source import log_from_source
+from surefoot.records.log.from_source import log_from_source, take_friction
 from surefoot.records.log.log import Log
 from surefoot.records.log.mapping import QUATERNIONS, LogMapping, Take, name_list
 from surefoot.records.log.source import Source, Topic
 
-ALIASES: dict[str, tuple[str, str]] = {
-    "net_forces_w": ("forces", "world"),
-    "root_pos_w": ("base_position", ""),
-    "root_quat_w": ("base_orientation", ""),
-    "root_lin_vel_w": ("base_velocity", ""),
-    "root_ang_vel_w": ("base_angular_velocity", "world"),
-    "root_lin_vel_b": ("base_velocity", "base"),
-    "root_ang_vel_b": ("base_angular_velocity", ""),
-    "joint_pos": ("joint_positions", ""),
-    "joint_vel": ("joint_velocities", ""),
-    "applied_torque": ("torques", ""),
-    "qpos": ("q", ""),
-    "qvel": ("v", "world"),
-    "qfrc_actuator": ("torques", ""),
-    "t": ("time", ""),
-}
-"""Names of Isaac Lab, MuJoCo, MJX and Brax: the channel, and the axes where they are not the channel's."""
-PER_FOOT = {"mu": "contact_friction", "forces": "foot_sensors"}
-"""Channels that one number a foot (T, feet) is taken for: friction of each, and how hard each presses."""
 WRENCHES = "foot_wrenches"
 """Array that is two channels: forces and contact moments."""
 
@@ -99,7 +81,7 @@ def log_from_arrays(
     fields, frame_of = _channels(arrays)
     frame_of |= frames
     facts = {**(facts or {}), **_sole_facts(soles, fields)}
-    _take_friction(facts, fields)
+    take_friction(facts, fields)
     rows = {name: len(array) for name, array in fields.items() if array.ndim}
     if len(set(rows.values())) != 1 or len(rows) != len(fields):
         raise ProblemError(f"arrays must have the same number of rows, got {rows}")
@@ -152,25 +134,6 @@ def _channels(arrays: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]
         if frame:
             frame_of[channel] = frame
     return fields, frame_of
-
-
-def _take_friction(facts: dict[str, Any], fields: dict[str, Any]) -> None:
-    """Make the fact ``mu`` what logs call it: the channel of the ground, or of each contact, at every row."""
-    if "mu" not in facts:
-        return
-    if {"mu", "contact_friction"} & set(fields):
-        raise ProblemError("mu is given as an array and as a fact: give one of them")
-    rows = len(next(iter(fields.values()), ()))
-    given = _numpy("mu", facts.pop("mu"))
-    forces = fields.get("forces")
-    points = forces.shape[1] if forces is not None and forces.ndim == 3 else 0
-    if given.ndim > 1 or (given.ndim == 1 and len(given) != points):
-        wanted = f"a number or one for each of {points} contacts"
-        raise ProblemError(f"the fact mu must be {wanted}, got the shape {given.shape}")
-    if given.ndim:
-        fields["contact_friction"] = np.tile(given, (rows, 1))
-    else:
-        fields["mu"] = np.full(rows, float(given))
 
 
 def _split_wrenches(

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
-from surefoot.base.errors import ProblemError
+from surefoot.base.errors import ProblemError, shown
 from surefoot.base.spatial import rotation_from_quaternion
 from surefoot.records.log.channels import CHANNELS, size_of
 from surefoot.records.log.log import Log
@@ -62,13 +62,46 @@ def log_from_source(
     arrays = build.arrays()
     if source.mapping:  # one of ours: as it was
         return Log(arrays, dict(mapping.facts), channels=dict(mapping.define))
-    facts = {"source": name, **build.facts(arrays), "mapping": mapping.as_yaml(), **mapping.facts}
+    single = {
+        k: v for k, v in source.facts.items() if k != "mu" or not {"mu", "contact_friction"} & set(arrays)
+    }
+    facts = {
+        "source": name, **build.facts(arrays), "mapping": mapping.as_yaml(), **single, **mapping.facts,
+    }  # fmt: skip
+    take_friction(facts, arrays)
     log = Log(arrays, facts, channels=dict(mapping.define))
     doubts = [*source.notes, *build.doubts, *find_doubts(log)]
     if mapping.guessed:
         doubts.insert(0, f"the mapping was guessed ({', '.join(mapping.channels)}): look at the fact mapping")
     log.facts["doubts"] = doubts
     return log
+
+
+def take_friction(facts: dict[str, Any], fields: dict[str, Any]) -> None:
+    """Make the fact ``mu`` what logs call it: the channel of the ground, or of each contact, at every row.
+
+    Raises
+    ------
+    ProblemError
+        For friction that an array tells, too, or that is neither one number nor one a contact.
+    """
+    if "mu" not in facts:
+        return
+    if {"mu", "contact_friction"} & set(fields):
+        raise ProblemError("mu is given as an array and as a fact: give one of them")
+    rows = len(next(iter(fields.values()), ()))
+    given = np.asarray(facts.pop("mu"))
+    if given.dtype.kind not in "biuf":
+        raise ProblemError(f"the fact mu must hold real numbers, got {shown(given.tolist())}")
+    forces = fields.get("forces")
+    points = forces.shape[1] if forces is not None and forces.ndim == 3 else 0
+    if given.ndim > 1 or (given.ndim == 1 and len(given) != points):
+        wanted = f"a number or one for each of {points} contacts"
+        raise ProblemError(f"the fact mu must be {wanted}, got the shape {given.shape}")
+    if given.ndim:
+        fields["contact_friction"] = np.tile(given.astype(np.float64), (rows, 1))
+    else:
+        fields["mu"] = np.full(rows, float(given))
 
 
 class _Build:
@@ -80,6 +113,8 @@ class _Build:
         self.known = {**CHANNELS, **mapping.define}
         self.joints = mapping.joints
         self.taken = {name: self._take(name, take) for name, take in mapping.channels.items()}
+        if mapping.guessed:
+            self._leave_out_other_joints()
         self.time, self._rows = self._clock()
 
     def arrays(self) -> dict[str, Any]:
@@ -136,6 +171,11 @@ class _Build:
         """Return the numbers of the joints in the log's order, by the names that the messages bring."""
         names = next((t for t in self.source.topics[topic].texts.values() if len(t) == values.shape[1]), ())
         if len(names) < 2:
+            if told := self.source.topics[topic].texts.get("name", ()):
+                doubt = (
+                    f"{topic} names {len(told)} joints for {values.shape[1]} numbers: its names are not used"
+                )
+                self.doubts += [doubt] if doubt not in self.doubts else []
             return values
         if len(set(names)) < len(names):
             raise ProblemError(f"{topic} names a joint twice: {', '.join(names)}")
@@ -144,6 +184,20 @@ class _Build:
         if missing:
             raise ProblemError(f"{topic} has no joint {missing[0]!r}; it has: {', '.join(names)}")
         return values[:, [names.index(j) for j in self.joints]]
+
+    def _leave_out_other_joints(self) -> None:
+        """Drop what a guess took of other joints than those of the angles: numbers, and names."""
+        counts = {
+            name: sum(numbers.shape[1] for _, numbers in taken)
+            for name, taken in self.taken.items()
+            if self.known[name].shape == ("joints",)
+        }
+        wanted = counts.get("joint_positions", 0)
+        for name in [name for name, count in counts.items() if wanted and count != wanted]:
+            self.doubts.append(f"{name}: {counts[name]} numbers for {wanted} joints, left out")
+            del self.taken[name]
+        if wanted and len(self.joints) != wanted:
+            self.joints = ()
 
     def _times(self, topic: str) -> FloatArray:
         times = self.source.topics[topic].times

@@ -5,17 +5,22 @@ A guess is shown (the fact ``mapping``) and doubted (`Log.doubts`); it never ask
 
 from __future__ import annotations
 
+import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from surefoot.base.errors import ProblemError
+from surefoot.records.log import npz_table
+from surefoot.records.log.array_names import ALIASES, PER_FOOT
+from surefoot.records.log.channels import CHANNELS
 from surefoot.records.log.mapping import UNITS, LogMapping, Take
 from surefoot.records.log.source import Source, Topic, full_name
 
 _FOOT = r"(?P<foot>[FRHL][FRHL]|left|right|foot_?\d|leg_?\d)"
 _JOINT = r"(?P<joint>\w*?[A-Za-z]\w*?)"
 _AXIS = r"(?P<axis>[xyzw])"
+_TRUTH = r"(?:mocap|vicon|optitrack|gt|truth|ground_?truth)"
 _BASE = r"(?:base|body|root|pelvis|torso|trunk|floating_base)_?"
 
 
@@ -43,6 +48,7 @@ RULES = (
     ColumnRule("time", r"(?:sim_?|ros_?)?(?:time|t|stamp|timestamp)(?:_?stamp)?"),
     ColumnRule("base_orientation", rf"(?:{_BASE})?(?:quaternion|quat|orientation|rot|q)[_.]?{_AXIS}", "xyzw"),
     ColumnRule("base_position", rf"{_BASE}(?:position|pos|p|com)?[_.]?{_AXIS}", "xyz"),
+    ColumnRule("base_position", rf"(?:position|pos|p)_{_TRUTH}[_.]?{_AXIS}", "xyz"),
     ColumnRule("base_velocity", rf"{_BASE}(?:linear_?)?(?:velocity|vel|v)(?:_?lin)?[_.]?{_AXIS}", "xyz"),
     ColumnRule(
         "imu_acceleration",
@@ -62,8 +68,9 @@ RULES = (
     ColumnRule("forces", rf"(?:foot_?|contact_?|ground_?)?(?:force|grf|f)[_.]?{_AXIS}", "xyz"),
     ColumnRule("foot_sensors", rf"{_FOOT}_?(?:foot_?)?(?:contact_?)?(?:force|sensor|pressure|load)"),
     ColumnRule("foot_sensors", rf"(?:foot|contact)?_?(?:force|sensor|pressure|load)_?{_FOOT}"),
+    ColumnRule("foot_sensors", rf"{_FOOT}_?(?:foot|contact|touch)"),
     ColumnRule("joint_positions", rf"(?:joint_?|motor_?)?(?:position|pos|angle|q)[_.]?{_JOINT}"),
-    ColumnRule("joint_positions", rf"{_JOINT}[_.](?:position|pos|angle|q)"),
+    ColumnRule("joint_positions", rf"{_JOINT}[_.](?:position|pos|angle|ang|q)"),
     ColumnRule("joint_velocities", rf"(?:joint_?|motor_?)?(?:velocity|vel|speed|dq|qd)[_.]?{_JOINT}"),
     ColumnRule("joint_velocities", rf"{_JOINT}[_.](?:velocity|vel|speed|dq|qd)"),
     ColumnRule("torques", rf"(?:joint_?|motor_?)?(?:torque|tau|effort)[_.]?{_JOINT}"),
@@ -71,6 +78,21 @@ RULES = (
     ColumnRule("mu", r"mu|friction"),
 )
 """Rules for the columns of tables, tried in this order; a column belongs to the first that takes it."""
+ARRAY_WORDS = {
+    "t": "time", "times": "time", "timestamps": "time", "grf": "forces", "grfs": "forces",
+    "contact_forces": "forces", "foot_forces": "forces", "f": "forces", "friction": "mu",
+    "contacts": "active", "in_contact": "active", "contact": "active", "foot_positions": "contact_positions",
+    "foot_velocities": "contact_velocities", "tau": "torques", "fz": "foot_sensors",
+    "normal_forces": "foot_sensors",
+}  # fmt: skip
+"""What whole arrays are called in people's own loops, in small letters, to the channel."""
+FIRST_W = ("qpos", "root_quat_w")
+"""Arrays of engines whose quaternions begin with w."""
+LEAST_FLOATING = 7
+"""Numbers of a configuration that begin with a floating base's position and quaternion, as a guess."""
+_FORCE_OF_FOOT = re.compile(rf"{_FOOT}_?(?:foot_?)?(?:contact_?)?(?:force|forces|grf|f)?", re.IGNORECASE)
+DROPPED = ("qfrc_actuator",)
+"""Arrays that have more than their channel: a mapping cannot take a part of one."""
 _BARE = ("deg", "rad", "s", "ms", "us", "ns")
 _SPELT = {
     ending: unit
@@ -122,7 +144,10 @@ def guess_mapping(source: Source) -> LogMapping:
         If nothing but the time can be guessed.
     """
     table = list(source.topics) == [""]
-    mapping = _of_table(source.topics[""]) if table else _of_messages(source)
+    if table and source.topics[""].kind == npz_table.KIND:
+        mapping = _of_arrays(source)
+    else:
+        mapping = _of_table(source.topics[""]) if table else _of_messages(source)
     if not set(mapping.channels) - {"time"}:
         names = source.names()
         raise ProblemError(
@@ -130,6 +155,41 @@ def guess_mapping(source: Source) -> LogMapping:
             "give a mapping"
         )
     return mapping
+
+
+def _of_arrays(source: Source) -> LogMapping:
+    """Return a mapping of arrays by their names: channels, what engines call them, or columns of a table."""
+    topic = source.topics[""]
+    fields = {name: array.reshape(len(array), -1) for name, array in topic.fields.items()}
+    columns = _of_table(Topic(None, {name: array for name, array in fields.items() if array.shape[1] == 1}))
+    takes = dict(columns.channels)
+    for name, array in fields.items():
+        channel, frame = ALIASES.get(
+            name, (name if name in CHANNELS else ARRAY_WORDS.get(name.lower(), ""), "")
+        )
+        if not channel or name in DROPPED or (channel in takes and channel != name):
+            continue
+        if topic.fields[name].ndim == 2 and (array.shape[1] != 3 or channel == "mu"):
+            channel = PER_FOOT.get(channel, channel) if array.shape[1] > 1 else channel
+        if not CHANNELS[channel].shape and array.shape[1] != 1:
+            continue
+        turned = channel == "base_orientation" or (channel == "q" and array.shape[1] >= LEAST_FLOATING)
+        order = "" if not turned else "wxyz" if name in FIRST_W else "xyzw"
+        takes[channel] = Take((name,), frame=frame, quaternion=order)
+    feet = {
+        m["foot"]: name
+        for name in fields
+        if (m := _FORCE_OF_FOOT.fullmatch(name)) and fields[name].shape[1] == 3
+    }
+    if feet and "forces" not in takes:
+        takes["forces"] = Take(tuple(feet.values()))
+    else:
+        feet = dict.fromkeys(columns.feet, "")
+    dt = source.facts.get("dt", 0.0)
+    rate = 1.0 / dt if "time" not in takes and 0.0 < dt < math.inf else 0.0
+    friction = {"mu", "contact_friction"} & set(takes)
+    facts = {k: v for k, v in source.facts.items() if k != "dt" and not (k == "mu" and friction)}
+    return replace(columns, channels=takes, feet=tuple(feet), facts=facts, rate=rate, guessed=True)
 
 
 def _of_table(topic: Topic) -> LogMapping:

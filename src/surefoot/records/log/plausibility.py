@@ -57,8 +57,8 @@ def _stamps(log: Log) -> Iterator[str]:
 
 def _unknown_facts(log: Log) -> Iterator[str]:
     for name in log.facts:
-        if name not in FACTS and (hint := near_name(name, [*FACTS, "mu"])):
-            yield f"nothing reads the fact {name}{hint}"
+        if name not in FACTS:
+            yield f"nothing reads the fact {name}{near_name(name, [*FACTS, 'mu'])}"
 
 
 def _missing(log: Log) -> Iterator[str]:

@@ -92,6 +92,10 @@ def _report_errors(path: Path, what: str, entry: Format) -> Iterator[None]:
     """Raise errors as Surefoot's: readers from outside raise what they like."""
     try:
         yield
+    except ProblemError as error:
+        if entry.name == "arrays" and str(path) not in str(error):  # it may have been meant for one of ours
+            raise ProblemError(f"{path} is not a Surefoot log, and as a table of arrays: {error}") from error
+        raise
     except SurefootError:
         raise
     except Exception as error:

@@ -60,12 +60,15 @@ class Source:
         Stamp of the first message [s]; NaN where there are no stamps.
     mapping
         The mapping that the file brings itself, as YAML; empty for none.
+    facts
+        What it says once: single numbers that have the names of facts.
     """
 
     topics: dict[str, Topic]
     notes: list[str] = field(default_factory=list)
     start: float = math.nan
     mapping: str = ""
+    facts: dict[str, Any] = field(default_factory=dict)
 
     def names(self) -> list[str]:
         """Return the full names of all fields."""

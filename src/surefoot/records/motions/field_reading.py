@@ -9,6 +9,7 @@ import numpy as np
 
 from surefoot.base.arrays import finite_array, positive_number
 from surefoot.base.errors import ProblemError, shown
+from surefoot.records.motions.bare_columns import ROOT, fields_of_rows
 from surefoot.records.motions.field_names import (
     ANGLES,
     BODIES,
@@ -26,9 +27,6 @@ from surefoot.records.motions.field_names import (
 )
 from surefoot.records.motions.fields import FieldTable, MotionFields, shape_of
 from surefoot.records.motions.named_columns import fields_of_columns, is_table
-
-ROOT = 7
-"""Columns of the root in whole configurations: place and quaternion."""
 
 
 def motions_in(contents: Any, name: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
@@ -103,7 +101,7 @@ def _whole(table: FieldTable, floating: bool) -> MotionFields | None:
             raise ProblemError(
                 f"{name!r} has {rows.shape[1]} columns; place, quaternion and joints are more than {ROOT}"
             )
-        return MotionFields("", rows[:, ROOT:], rows[:, :3], rows[:, 3:ROOT], turn)
+        return fields_of_rows(rows, turn)
     return None
 
 

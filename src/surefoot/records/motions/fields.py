@@ -37,6 +37,8 @@ class MotionFields:
         (T, bodies, 3) places in the world [m], and whose.
     extra
         What else the file has.
+    notes
+        What was guessed of its columns, a line each.
     """
 
     name: str
@@ -53,6 +55,7 @@ class MotionFields:
     bodies: FloatArray | None = None
     body_names: tuple[str, ...] = ()
     extra: dict[str, Any] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
 
 
 class FieldTable:
@@ -136,7 +139,9 @@ def frames(key: str, value: Any, width: int | None = None, rows: int | None = No
     """
     named = repr(key) if key else "its table"
     array = finite_array(named, value)
-    if array.ndim == 3 and 1 in array.shape[:2]:
+    if array.ndim == 3 and array.shape[2] == 1 and 1 not in array.shape[:2]:
+        array = array[:, :, 0]
+    elif array.ndim == 3 and 1 in array.shape[:2]:
         array = array.reshape(max(array.shape[:2]), -1)
     if array.ndim != 2 or (width is not None and array.shape[1] != width):
         raise ProblemError(f"{named} must have shape (frames, {width or 'columns'}), got {array.shape}")

@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from surefoot.base.arrays import positive_number
+from surefoot.base.drawn import Drawn
+from surefoot.base.errors import count_of, writing
+from surefoot.base.text_files import free_path
 
 if TYPE_CHECKING:
     from surefoot.base.arrays import FloatArray
@@ -16,7 +19,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class Motion(Drawn):
     """Configurations of a robot, frame by frame, at an even rate.
 
     Attributes
@@ -59,6 +62,11 @@ class Motion:
     def __repr__(self) -> str:
         return f"Motion({self.name!r}, robot={self.robot.name!r}, frames={len(self)}, rate={self.rate:g})"
 
+    def __str__(self) -> str:
+        doubts = f"; {count_of(len(self.doubts), 'doubt')}, see .doubts" if self.doubts else ""
+        frames = f"{count_of(len(self), 'frame')} at {self.rate:g} Hz, {max(self.duration, 0.0):.4g} s"
+        return f"Motion {self.name} of {self.robot.name}: {frames}{doubts}."
+
     @property
     def duration(self) -> float:
         """Time from the first frame to the last [s]."""
@@ -73,6 +81,28 @@ class Motion:
     def doubts(self) -> tuple[str, ...]:
         """Notes of what is doubtful: readings of the file that contradict it, or that nothing tells apart."""
         return tuple(note.removeprefix("doubt: ") for note in self.notes if note.startswith("doubt: "))
+
+    def to_npz(self, path: Path | str) -> Path:
+        """Write the motion as a new .npz file that leaves `read_motion` nothing to guess; return its path.
+
+        It has `fps`, `root_pos`, `root_quat_xyzw`, `joint_pos` and `joint_names`; of a robot that is bolted
+        down no root.
+
+        Raises
+        ------
+        ProblemError
+            For a file that exists already, or cannot be written.
+        """
+        place = free_path(path)
+        root = 7 if self.robot.floating else 0
+        arrays: dict[str, Any] = {
+            "fps": self.rate, "joint_pos": self.q[:, root:], "joint_names": np.array(self.robot.joint_names),
+        }  # fmt: skip
+        if root:
+            arrays |= {"root_pos": self.q[:, :3], "root_quat_xyzw": self.q[:, 3:7]}
+        with writing(place), place.open("wb") as file:
+            np.savez_compressed(file, **arrays)
+        return place
 
     def resample(self, rate: float) -> Motion:
         """Return the motion at another rate [Hz].

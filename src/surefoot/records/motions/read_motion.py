@@ -180,7 +180,7 @@ def _finish(
     """Return the motion: evenly spaced frames, torques in the robot's order, and all that is told."""
     order, q = found.reading.order, found.reading.q
     absent = tuple(name for name in robot.joint_names if name not in order.joints)
-    notes = [*found.notes, *told]
+    notes = [*fields.notes, *found.notes, *told]
     if absent:
         notes.append(
             f"{len(absent)} joints are not in the file and held at the nominal angle: {', '.join(absent)}"

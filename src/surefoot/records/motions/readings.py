@@ -27,6 +27,9 @@ RARER = 0.1
 BODY_SCALE = 0.02
 """Distance of links from where a file has them that costs as much as a radian of tilt [m]."""
 
+LEAST_BODIES = 3
+"""Bodies whose places tell anything: the root is where it is in every reading."""
+
 
 @dataclass
 class Reading:
@@ -110,15 +113,18 @@ class Readings:
         pinocchio = import_pinocchio()
         data = robot.model.createData()
         named = {name: k for k, name in enumerate(self.fields.body_names)}
-        links = [f for f in robot.model.frames if f.type.name == "BODY" and (not named or f.name in named)]
-        if len(links) < 3:
+        frames = enumerate(robot.model.frames)
+        links = [(k, f) for k, f in frames if f.type.name == "BODY" and (not named or f.name in named)]
+        if min(len(links), bodies.shape[1]) < LEAST_BODIES:
             return None
         apart = list[float]()
         for row in np.unique(np.linspace(0, len(q) - 1, 8).astype(int)):
             pinocchio.framesForwardKinematics(robot.model, data, q[row])
-            for link in links:
-                gaps = np.linalg.norm(
-                    bodies[row] - data.oMf[robot.model.getFrameId(link.name)].translation, axis=1
-                )
-                apart.append(float(gaps[named[link.name]] if named else gaps.min()))
+            places = np.array([data.oMf[k].translation for k, _ in links])
+            if named:
+                own = [named[link.name] for _, link in links]
+                gaps = np.linalg.norm(bodies[row, own] - places, axis=1)
+            else:  # files that name no bodies may have some of them only: each is near some link
+                gaps = np.linalg.norm(bodies[row][:, None] - places, axis=2).min(axis=1)
+            apart += gaps.tolist()
         return float(np.median(apart))

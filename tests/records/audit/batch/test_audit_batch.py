@@ -213,3 +213,34 @@ def test_a_report_knows_its_laws_and_environments() -> None:
     light = report.without_rows()
     with pytest.raises(sf.SurefootError, match="rows are kept of"):
         light.log(1)
+
+
+@pytest.mark.parametrize("framework", ["jax", "torch"])
+def test_arrays_of_frameworks_are_judged_as_numpys(framework: str) -> None:
+    """Sixteen spoilt windows in float64: the same verdicts and figures."""
+    module = pytest.importorskip(framework)
+    arrays, masses, mu = windows(16, 31)
+    rng = np.random.default_rng(32)
+    for k in range(16):
+        spoil_one(arrays, k, rng)
+    expected = sf.audit_batch(arrays, DT, mu, mass=masses, facts=soft_facts(), reward=np.ones((ROWS, 16)))
+
+    def judged() -> BatchReport:
+        make = module.numpy.asarray if framework == "jax" else module.as_tensor
+        given = {name: make(array) for name, array in arrays.items()}
+        assert all(str(array.dtype).endswith("float64") for array in given.values())
+        return sf.audit_batch(
+            given, DT, make(mu), mass=make(masses), facts=soft_facts(), reward=make(np.ones((ROWS, 16)))
+        )
+
+    if framework == "jax":
+        with module.enable_x64(True):
+            found = judged()
+    else:
+        found = judged()
+    assert found.verdicts == expected.verdicts
+    assert "broken" in found.verdicts
+    assert found.exploits == expected.exploits
+    for name, law in expected.laws.items():
+        for part in ("share", "worst", "limit", "instant", "contact"):
+            np.testing.assert_array_equal(getattr(found[name], part), getattr(law, part), err_msg=name)

@@ -50,15 +50,18 @@ def test_jax_gives_numpys_costs_and_jits() -> None:
         assert bool(jax.numpy.isfinite(slope).all())
 
 
-def test_torch_gives_numpys_costs() -> None:
-    """The same lines, to rounding, in a reward's own precision."""
+@pytest.mark.filterwarnings("ignore:.*torch.jit.*:DeprecationWarning")  # torch's own, of its compiler
+@pytest.mark.parametrize("backend", ["", "aot_eager"])
+def test_torch_gives_numpys_costs(backend: str) -> None:
+    """The same lines, to rounding, in a reward's own precision, compiled or not."""
     torch = pytest.importorskip("torch")
     arrays, masses, mu = windows(8, 23)
     given = [*(arrays[name][100] for name in CHANNELS), mu[:, None], 9.81 * masses]
     f, gaps, v, friction, weight = given
     expected = step_cost(f, gaps, v, friction, weight)
     f, gaps, v, friction, weight = map(torch.as_tensor, given)
-    found = step_cost(f, gaps, v, friction, weight)
+    form = torch.compile(step_cost, backend=backend) if backend else step_cost
+    found = form(f, gaps, v, friction, weight)
     for one, two in zip(found, expected, strict=True):
         np.testing.assert_allclose(one.numpy(), two, rtol=1e-12, atol=1e-12)
 

@@ -8,14 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.base.arrays import FloatArray, IntArray, whole_number
+from surefoot.base.arrays import BoolArray, FloatArray, IntArray, of_kind, whole_number
 from surefoot.base.cores import cores
 from surefoot.base.errors import ProblemError
 from surefoot.records.audit.batch.batch_report import BatchReport
 from surefoot.records.audit.batch.environments import Environments, read_environments
-from surefoot.records.audit.batch.exploits import EXPLOITS, find_exploits
+from surefoot.records.audit.batch.exploits import BEYOND_ACTUATORS, find_exploits
+from surefoot.records.audit.batch.joint_work import JOINT_ARRAYS, JOINT_WORK, judge_joints, read_joints
 from surefoot.records.audit.batch.law_found import LawFound
-from surefoot.records.audit.batch.side_by_side import SIDE_BY_SIDE, Found, judge
+from surefoot.records.audit.batch.side_by_side import SIDE_BY_SIDE, Found, judge, reward_shares
 from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.audit.report import Judgement
 from surefoot.records.log.from_arrays import host_array
@@ -45,6 +46,8 @@ def audit_batch(
         Channel to (T, N, ...) numbers of NumPy, JAX or Torch: ``forces`` (T, N, contacts, 3) [N] in contact
         axes; where they are known ``gaps`` (T, N, contacts) [m], ``contact_velocities`` (also ``velocities``)
         (T, N, contacts, 3) [m/s], ``normals``, ``contact_positions`` (also ``positions``), ``mu`` (T, N).
+        For joint work ``joint_velocities`` and ``torques`` (T, N, joints), ``energy`` (T, N) [J], kinetic,
+        potential and of springs, with the fact ``effort_limits``.
     dt
         Time between rows [s].
     mu
@@ -88,7 +91,10 @@ def audit_batch(
     >>> law.share.tolist(), float(law.worst[1]), float(law.instant[1]), int(law.contact[1])
     ([0.0, 0.01, 0.0], 1.75, 0.5, 2)
     """
-    given = read_environments(arrays, dt, mu, mass, done, facts, feet)
+    of_kind("arrays", arrays, Mapping)
+    of_contacts = {name: array for name, array in arrays.items() if name not in JOINT_ARRAYS}
+    given = read_environments(of_contacts, dt, mu, mass, done, facts, feet)
+    joints = read_joints(arrays, given.facts.get("effort_limits"), (given.rows, given.count))
     paid = None if reward is None else _reward(reward, given)
     workers = cores() if threads is None else max(1, whole_number("threads", threads, low=1))
     blocks = _blocks(given)
@@ -98,7 +104,8 @@ def audit_batch(
 
     with ThreadPoolExecutor(workers) as pool:
         parts = [part for several in pool.map(judge_block, blocks) for part in several]
-    return _report(given, _join(parts, len(given.episodes)), limits, paid)
+    balance = None if joints is None else judge_joints(joints, given, limits)
+    return _report(given, _join(parts, len(given.episodes)), limits, paid, balance)
 
 
 def _reward(reward: Any, given: Environments) -> FloatArray:
@@ -135,8 +142,11 @@ def _join(parts: list[tuple[IntArray, Found]], episodes: int) -> Found:
     )  # fmt: skip
 
 
-def _report(given: Environments, found: Found, limits: AuditLimits, reward: FloatArray | None) -> BatchReport:
-    """Return what the episodes' findings are of each environment."""
+def _report(
+    given: Environments, found: Found, limits: AuditLimits, reward: FloatArray | None,
+    balance: tuple[LawFound, BoolArray] | None,
+) -> BatchReport:  # fmt: skip
+    """Return what the episodes' findings, and the energy balance of joints, are of each environment."""
     verdicts, reasons = _verdicts(given, found, limits)
     owner, starts = given.episodes[:, 0], np.flatnonzero(np.diff(given.episodes[:, 0], prepend=-1))
     over = np.where(np.isfinite(found.value), found.value - found.limit, -np.inf)
@@ -150,8 +160,13 @@ def _report(given: Environments, found: Found, limits: AuditLimits, reward: Floa
             found.value[worst, c], found.limit[worst, c], given.dt * found.row[worst, c],
             found.contact[worst, c],
         )  # fmt: skip
+    paid = reward_shares(found, reward)
+    if balance is not None:
+        laws[JOINT_WORK], rows = balance
+        if paid and reward is not None:
+            paid[BEYOND_ACTUATORS] = float(np.nansum(reward[rows]) / np.nansum(reward))
     return BatchReport(
-        verdicts, reasons, laws, find_exploits(laws, _paid(found, reward)), _coverage(found), given.notes,
+        verdicts, reasons, laws, find_exploits(laws, paid), _coverage(found), given.notes,
         len(given.episodes), given.rows, given.dt, {}, limits, given,
     )  # fmt: skip
 
@@ -178,16 +193,6 @@ def _verdicts(
         verdicts.append("broken" if wrong else "cannot tell" if reason else "lawful")
         reasons.append("" if wrong else reason)
     return tuple(verdicts), tuple(reasons)
-
-
-def _paid(found: Found, reward: FloatArray | None) -> dict[str, float]:
-    """Return the share of the reward that came from the rows of each exploit."""
-    total = 0.0 if reward is None else float(np.nansum(reward))
-    if total == 0.0:
-        return {}
-    places = {check.name: k for k, check in enumerate(SIDE_BY_SIDE)}
-    each = {name: [places[check] for check in checks] for name, checks in EXPLOITS.items()}
-    return {name: float(found.reward[:, at].max(axis=1).sum()) / total for name, at in each.items()}
 
 
 def _coverage(found: Found) -> dict[str, str]:

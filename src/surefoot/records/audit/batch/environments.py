@@ -12,8 +12,9 @@ from surefoot.base.arrays import BoolArray, FloatArray, IntArray, of_kind, posit
 from surefoot.base.errors import ProblemError, check_name
 from surefoot.base.spatial import GRAVITY
 from surefoot.records.log import Log
+from surefoot.records.log.array_names import ALIASES
 from surefoot.records.log.channels import CHANNELS
-from surefoot.records.log.from_arrays import ALIASES, host_array, log_from_arrays
+from surefoot.records.log.from_arrays import host_array, log_from_arrays
 
 KNOWN = ("forces", "gaps", "contact_velocities", "contact_positions", "normals", "contact_friction", "mu")
 """Channels that are judged in many environments."""

@@ -9,10 +9,11 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.records.audit.batch.environments import UNKNOWN_MASS, Environments
+from surefoot.records.audit.batch.exploits import EXPLOITS
 from surefoot.records.audit.checks import CHECKS, Check
 from surefoot.records.audit.coverage import NEVER_LOADED, coverage_of, why_unsure_of
 from surefoot.records.audit.limits import AuditLimits
-from surefoot.records.audit.log_context import Setting, ground_of, setting_of
+from surefoot.records.audit.log_context import OF_POINTS, Setting, ground_of, setting_of
 from surefoot.records.audit.row_velocities import ROWS, velocities_after_each
 from surefoot.records.audit.rows import Rows, lacking, pieces
 from surefoot.records.audit.slide_count import SlideCount
@@ -126,36 +127,42 @@ def _judge_columns(
     reward: FloatArray | None,
 ) -> Found:  # fmt: skip
     """Judge n episodes whose channels are (L, n, ...), with their reward (L, n)."""
-    length, n = columns["forces"].shape[:2]
+    n = columns["forces"].shape[1]
     log = _wide_log(given, episodes, columns)
     setting = _wide_setting(given, base, alike)
-    coverage = coverage_of(log, setting)
-    found = _nothing(n, coverage)
+    found = judge_log(log, setting, coverage_of(log, setting), n, reward)
+    found.row[:] += episodes[:, 1:2]
+    energy = np.array([check.unit in ("N", "J") for check in SIDE_BY_SIDE])
+    scale = np.where(energy, given.weights[episodes[:, 0], None], 1.0)
+    return replace(found, value=found.value * scale, limit=found.limit * scale)
+
+
+def judge_log(
+    log: Log, setting: Setting, coverage: dict[str, str], n: int, reward: FloatArray | None
+) -> Found:
+    """Judge a log of n episodes side by side, with their reward (T, n) if there is one; see `Found`."""
+    found = start_found(n, coverage)
     slides, loaded, lost = SlideCount(setting), np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
     used = [c for c in SIDE_BY_SIDE if not coverage.get(c.name, "") and not lacking(log, c.needs)]
     for rows in pieces(log, setting):
         at = rows.first + rows.core.start
-        loaded |= rows.loaded[rows.core].reshape(-1, n, given.points).any(axis=(0, 2))
+        loaded |= rows.loaded[rows.core].reshape(-1, n, rows.points // n).any(axis=(0, 2))
         lost |= rows.not_finite[rows.core].any()
         with np.errstate(over="ignore", invalid="ignore"):
             for check in used:
-                _take(found, check, rows, at, reward)
+                take_found(found, check, rows, at, reward)
             if _slides(used):
                 slides.add(rows)
     if _slides(used):
-        _take_slides(found, slides, length)
-    found.row[:] += episodes[:, 1:2]
-    energy = np.array([check.unit in ("N", "J") for check in SIDE_BY_SIDE])
-    scale = np.where(energy, given.weights[episodes[:, 0], None], 1.0)
-    reasons = _reasons(setting, coverage, length, loaded, lost)
-    return replace(found, value=found.value * scale, limit=found.limit * scale, reasons=reasons)
+        take_slides(found, slides, len(log))
+    return replace(found, reasons=reasons_of(setting, coverage, len(log), loaded, lost))
 
 
 def _slides(used: list[Check]) -> bool:
     return any(check.name == "dissipation" for check in used)
 
 
-def _nothing(n: int, coverage: dict[str, str]) -> Found:
+def start_found(n: int, coverage: dict[str, str]) -> Found:
     """Return what was found of n episodes before any row."""
     size = (n, len(SIDE_BY_SIDE))
     whole = [np.zeros(size, dtype=np.int64) for _ in range(3)]
@@ -175,7 +182,11 @@ def _wide_log(given: Environments, episodes: IntArray, columns: dict[str, FloatA
     arrays["forces"] = (columns["forces"] / weights[:, None, None]).reshape(length, -1, 3)
     # as log_from_arrays counts
     time = given.dt * np.arange(float(given.rows))[episodes[0, 1] : episodes[0, 2]]
-    return Log({"time": time, **arrays}, dict(given.facts))
+    facts = dict(given.facts)
+    for name in OF_POINTS:  # one robot's contacts: those of all are alike
+        if np.ndim(facts.get(name, 0.0)) > 0:
+            facts[name] = np.concatenate([np.asarray(facts[name])] * n)
+    return Log({"time": time, **arrays}, facts)
 
 
 def _wide_setting(given: Environments, base: Setting, alike: _Alike) -> Setting:
@@ -190,8 +201,11 @@ def _wide_setting(given: Environments, base: Setting, alike: _Alike) -> Setting:
     )  # fmt: skip
 
 
-def _take(found: Found, check: Check, rows: Rows, first: int, reward: FloatArray | None) -> None:
-    """Add what a check finds in a piece whose core begins at row `first` of its episodes."""
+def take_found(found: Found, check: Check, rows: Rows, first: int, reward: FloatArray | None) -> None:
+    """Add what a check finds in a piece whose core begins at row `first` of n episodes.
+
+    `reward` is that of every row and episode (T, n).
+    """
     c, n = SIDE_BY_SIDE.index(check), len(found.rows)
     given_value, given_limit, given_bad = check.judge(rows)
     shape = (len(given_bad), n, given_bad.shape[1] // n)
@@ -215,7 +229,7 @@ def _take(found: Found, check: Check, rows: Rows, first: int, reward: FloatArray
             found.reward[:, c] += np.where(flagged, reward[first : first + len(flagged)], 0.0).sum(axis=0)
 
 
-def _take_slides(found: Found, slides: SlideCount, length: int) -> None:
+def take_slides(found: Found, slides: SlideCount, length: int) -> None:
     """Add slides that are too long, too slow for a window to show: they last as long as their episode."""
     c = next(k for k, check in enumerate(SIDE_BY_SIDE) if check.name == "dissipation")
     n = len(found.rows)
@@ -228,12 +242,39 @@ def _take_slides(found: Found, slides: SlideCount, length: int) -> None:
         found.row[k, c], found.contact[k, c] = 0, contact
 
 
-def _reasons(
+def reasons_of(
     setting: Setting, coverage: dict[str, str], length: int, loaded: BoolArray, lost: BoolArray
 ) -> list[str]:
-    """Return why one cannot tell of each episode, were no law broken; empty for none."""
+    """Return why one cannot tell of each of n episodes, were no law broken; empty for none.
+
+    `loaded` and `lost` are (n,): whether a contact ever carries, and whether numbers are not finite.
+    """
     why = why_unsure_of(setting, coverage, length)
     return [
         _LOST if bad else why or ("" if some else NEVER_LOADED)
         for some, bad in zip(loaded, lost, strict=True)
     ]
+
+
+def reward_shares(found: Found, reward: FloatArray | None) -> dict[str, float]:
+    """Return the shares of a reward (T, n) that came from the rows of exploits; none without one."""
+    total = 0.0 if reward is None else float(np.nansum(reward))
+    if total == 0.0:
+        return {}
+    places = {check.name: k for k, check in enumerate(SIDE_BY_SIDE)}
+    each = {name: [places[c] for c in checks if c in places] for name, checks in EXPLOITS.items()}
+    # the joints' work is no matter of contacts
+    return {
+        name: _reward_of_most(found.rows[:, at], found.reward[:, at]) / total
+        for name, at in each.items()
+        if at
+    }
+
+
+def _reward_of_most(rows: IntArray, reward: FloatArray) -> float:
+    """Return the reward of n episodes from rows that checks (n, k) find: of each by that which finds most.
+
+    Rewards may be negative: the largest of several checks' would be that of the check that finds nothing.
+    """
+    most = np.argmax(rows, axis=1)[:, None]
+    return float(np.take_along_axis(reward, most, axis=1).sum())

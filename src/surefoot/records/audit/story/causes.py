@@ -140,6 +140,10 @@ RULES = (
         alone=False, residual=True,
     ),
     Rule(
+        "slow gait", gait_causes.tips, "each stance is shorter than the time to tip", "a shorter period",
+        alone=False,
+    ),
+    Rule(
         "slow gait", gait_causes.slow, "the body's way in a stance is within the legs' reach",
         "a shorter period for this speed", alone=False, residual=True,
     ),

@@ -20,24 +20,27 @@ FALLING = 0.25
 """Time for which a robot that falls is still controlled [s]."""
 ENOUGH = 1000
 """Rows from which a delay is told; of a longer log every so many."""
-MOST_OPEN = 0.5
-"""Share of the torques' changes that a delay may leave open: else they answer something else."""
+MOST_OPEN, FAR_BETTER, MANY_LAGS = 0.5, 4.0, 30
+"""Share of the torques' changes that a delay may leave open, unless it explains so much more than needed over
+so many of its lengths."""
+FAINT = 1e-3
+"""Share of a joint's largest torque below which the digits of a log say nothing."""
 HELD, LEAST_TICKS = 0.95, 20
 """Share of torques held for some rows that turn in chatter, of so many: by chance two of three turn."""
 
 
 def weak(s: Signals) -> Iterator[Sign]:
     """Yield actuators whose gain is cut, that give less than is asked for, or nothing from some time on."""
-    for time, name, factor in model_changes(s, "gain"):
-        if factor < s.limits.weaker:
-            yield Sign(time, name, f"the gain of {name} falls to {factor:.0%}", 1.0 - factor)
+    cuts = [one for one in model_changes(s, "gain") if one[2] < s.limits.weaker]
+    for time, name, factor in cuts:
+        yield Sign(time, name, f"the gain of {name} falls to {factor:.0%}", 1.0 - factor)
     largest = largest_torques(s)
     if not len(largest):
         return
     for k, name in enumerate(s.joints):
         sign = _shortfall(s, k, name) or _torque_loss(s, k, name, float(largest[k]))
-        if sign is not None:
-            yield sign
+        if sign is not None and all(abs(sign.time - time) > s.limits.brief for time, _, _ in cuts):
+            yield sign  # else it is told by its motor's name
 
 
 def largest_torques(s: Signals) -> FloatArray:
@@ -51,7 +54,7 @@ def _shortfall(s: Signals, k: int, name: str) -> Sign | None:
     asked, given, limit = s.asked[:, k], s.torques[:, k], float(s.torque_limits[k])
     within = np.clip(asked, -limit, limit)
     size = np.abs(within)
-    floor = s.limits.carried * max(float(size.max(initial=0.0)), 1e-9)
+    floor = FAINT * max(float(size.max(initial=0.0)), 1e-9)
     less = (size > floor) & (given * np.sign(within) < s.limits.weaker * size)
     row = s.first(less, s.rows(s.limits.brief))
     cut = min((time for time, _, _ in model_changes(s, "torque limit")), default=np.inf)
@@ -75,7 +78,7 @@ def _torque_loss(s: Signals, k: int, name: str, largest: float) -> Sign | None:
         return None
     carried = float(np.sqrt(np.mean(torque[:row] ** 2)))
     just_before = torque[max(row - s.rows(s.limits.brief), 0) : row]
-    if np.abs(just_before).max() < 1e-3 * carried:
+    if np.abs(just_before).max() < FAINT * carried:
         return None  # it came to rest
     words = f"{name} carried {carried:.3g} N m and gives nothing any more"
     return Sign(float(s.time[row]), name, words, carried / max(largest, 1e-9))
@@ -89,7 +92,9 @@ def saturation(s: Signals) -> Iterator[Sign]:
             yield Sign(_first_short(s, time), name, words, 1.0)
     at = at_limit(s)
     for k, name in enumerate(s.joints):
-        share = sliding_mean(at[:, k].astype(np.float64), s.rows(s.limits.window))
+        # what turns from limit to limit is chatter's
+        held = (at[:, k] & (s.torques[:, k] > 0.0), at[:, k] & (s.torques[:, k] < 0.0))
+        share = np.maximum(*(sliding_mean(x.astype(np.float64), s.rows(s.limits.window)) for x in held))
         row = s.first(share > s.limits.saturated)
         if row is not None:
             begun = row + int(at[row:, k].argmax())
@@ -148,8 +153,11 @@ def delay(s: Signals) -> Iterator[Sign]:
         return
     # a delay is one time: a little before and after it less is explained
     beside = min(left(best - 2 * step), left(best + 2 * step))
-    sharp = left(best) < min(beside - 0.5 * s.limits.lag_better, MOST_OPEN)
-    if sharp and best * s.dt >= s.limits.lag and left(best) < without - s.limits.lag_better:
+    gain = without - left(best)
+    long = min(last, s.time[-1]) - s.time[0] > MANY_LAGS * best * s.dt
+    told = left(best) < MOST_OPEN or (long and gain > FAR_BETTER * s.limits.lag_better)
+    sharp = left(best) < beside - 0.5 * s.limits.lag_better
+    if sharp and told and best * s.dt >= s.limits.lag and gain > s.limits.lag_better:
         words = f"torques answer the state of {1e3 * best * s.dt:.0f} ms ago"
         yield Sign(float(s.time[0]), "body", words, 1.0 - left(best) / without)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from surefoot.base.arrays import BoolArray
+from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.story.told import Event
 
@@ -76,9 +76,19 @@ def stray(s: Signals) -> Event | None:
     path = np.cumsum(np.linalg.norm(command, axis=1) * s.dt)
     row = s.first(off > s.limits.strays * s.height + 0.5 * path, s.rows(s.limits.brief))
     if row is None:
-        return _lean_to_the_end(s)
+        return _short_way(s, due, went) or _lean_to_the_end(s)
     words = f"it is {off[row]:.2f} m from where its command leads, which is {path[row]:.2f} m away"
     return Event("strays", float(s.time[row]), "body", words)
+
+
+def _short_way(s: Signals, due: FloatArray, went: FloatArray) -> Event | None:
+    """Return that less than half of a way of some length, (T, 3) due and gone, has been gone in the end."""
+    length = float(np.linalg.norm(due[-1]))
+    if length < s.limits.strays * s.height or float(went[-1] @ due[-1]) > 0.5 * length**2:
+        return None
+    gone = float(went[-1] @ due[-1]) / length
+    words = f"it has gone {gone:.2f} m of the {length:.2f} m that its command leads"
+    return Event("strays", float(s.time[-1]), "body", words)
 
 
 def _lean_to_the_end(s: Signals) -> Event | None:

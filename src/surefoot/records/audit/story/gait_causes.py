@@ -68,9 +68,10 @@ def _landing(s: Signals, mine: BoolArray, lifted: int, row: int, turn: FloatArra
     return Landing(lifted, row, turn @ place, turn @ s.com_velocity[row])
 
 
-def walks(s: Signals) -> bool:
-    """Return whether a foot ever lands after a swing."""
-    return any(_swings(s, down) for down in s.feet_down.values())
+def walks(s: Signals, until: int | None = None) -> bool:
+    """Return whether a foot ever lands after a swing, before a row if one is given."""
+    end = len(s.time) if until is None else until
+    return any(landed < end for down in s.feet_down.values() for _, landed in _swings(s, down))
 
 
 def left_the_feet(s: Signals) -> int | None:
@@ -115,17 +116,26 @@ def _beside(s: Signals, link: str, landed: list[Landing]) -> Sign | None:
         middle = np.median([x.place for x in before], axis=0)
         spread = max(float(np.linalg.norm(x.place - middle)) for x in before)
         speed = np.median([x.velocity for x in before], axis=0)
-        asked = FOLLOWS * float(np.linalg.norm(landed[k].velocity - speed))
         way = landed[k].place - middle
-        limit = BESIDE * s.height + spread + asked
-        if float(np.linalg.norm(way)) > limit:
+        amiss = float(np.linalg.norm(way - _way_of_change(way, landed[k].velocity - speed)))
+        limit = BESIDE * s.height + spread
+        if amiss > limit:
             words = (
                 f"{link} lands {100.0 * float(np.linalg.norm(way)):.0f} cm from where it has landed before "
                 f"({100.0 * way[0]:+.0f} cm ahead, {100.0 * way[1]:+.0f} cm to the left)"
             )
             begun = float(s.time[landed[k].lifted])
-            return Sign(float(s.time[landed[k].row]), link, words, float(np.linalg.norm(way)) / limit, begun)
+            return Sign(float(s.time[landed[k].row]), link, words, amiss / limit, begun)
     return None
+
+
+def _way_of_change(way: FloatArray, change: FloatArray) -> FloatArray:
+    """Return the part (2,) of a foothold's way that a change of velocity asks for: along it, and so far."""
+    size = float(np.linalg.norm(change))
+    if size <= 0.0:
+        return np.zeros(2)
+    along = min(max(float(way @ change) / size, 0.0), FOLLOWS * size)
+    return np.asarray(along * change / size)
 
 
 def _late(s: Signals, link: str, landed: list[Landing]) -> Sign | None:
@@ -150,32 +160,28 @@ def _late(s: Signals, link: str, landed: list[Landing]) -> Sign | None:
 
 
 def slow(s: Signals) -> Iterator[Sign]:
-    """Yield feet that stay on the ground for longer than the body takes to leave them."""
-    found = _tips(s)
-    if found is not None:
-        yield found
-        return
+    """Yield feet that stay on the ground for so long that the body outruns them."""
     row = left_the_feet(s)
-    if row is not None and slow_for_speed(s, row):
+    if next(tips(s), None) is None and row is not None and slow_for_speed(s, row):
         words = f"at {_speed(s, row):.2f} m/s the body outruns feet that stand for {_stance(s, row):.2f} s"
         yield Sign(float(s.time[row]), "body", words, SURE)
 
 
-def _tips(s: Signals) -> Sign | None:
-    """Return the first stance on one point, or two feet of several, that lasts until the body tips over."""
+def tips(s: Signals) -> Iterator[Sign]:
+    """Yield the first stance on one point, or two feet of several, that lasts until the body tips over."""
     down = s.feet_down
     if not walks(s) and len(down) < 3:
-        return None
+        return
     if len(down) == 1:
         stands, most, longest = [next(iter(down.values()))], "one foot", ALONE * s.pendulum_time
     else:
         stands, most, longest = list(_on_two(list(down.values()))), "two feet", TIPS * s.pendulum_time
     rows = [row for on in stands if (row := s.first(on, s.rows(longest))) is not None]
     if not rows or s.rows(longest) < 2:
-        return None
+        return
     row = min(rows)
     words = f"it stands on {most} for more than {longest:.2f} s, in which it tips over"
-    return Sign(float(s.time[row]), "body", words, SURE)
+    yield Sign(float(s.time[row]), "body", words, SURE, shown=float(s.time[row]) + longest)
 
 
 def _on_two(down: list[BoolArray]) -> Iterator[BoolArray]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.spatial import GRAVITY
-from surefoot.records.audit.story.control_causes import at_limit, largest_torques
+from surefoot.records.audit.story.control_causes import at_limit, chatter, largest_torques
 from surefoot.records.audit.story.failure import fall, stray
 from surefoot.records.audit.story.gait_causes import left_the_feet, walks
 from surefoot.records.audit.story.sign import Sign
@@ -22,6 +22,14 @@ JUMPS = 4.0
 """A jump of the torque that is asked for, over all before, which no motion explains."""
 CALM = 0.2
 """Time from which it is known how torques change [s]; and how much less others jump."""
+AT_REST = 0.15
+"""First moments of a run in which a controller for another body shows itself [s]."""
+FEW = 3
+"""Driven joints of which all but one at rest say something of that one in the air, too."""
+CARRIED = 0.03
+"""Time within which something carries a robot that was started at rest [s]."""
+WITH_IT = 0.2
+"""Share of a jump from which another torque's of that moment belongs to it."""
 QUIET = 0.3
 """Time for which a body that is led out of its feet has stood first [s]."""
 BEGUN = 0.08
@@ -44,16 +52,25 @@ def drift(s: Signals) -> Iterator[Sign]:
         yield found
         return
     pull, row = pull_at_rest(s), left_the_feet(s)
-    if walks(s) or not s.torques.shape[1]:
+    if walks(s, row) or not s.torques.shape[1]:
         return
     if row is None:
         yield from _creeps(s)
         return
     if pull is not None and float(np.linalg.norm(pull - (pull @ s.up) * s.up)) < 0.2 * s.limits.drives:
         return
+    if pull is None and _stood_still(s, row):
+        return
     way = (s.com[row] - s.com[0]) @ s.level_axes.T
     words = f"it is driven {100.0 * float(np.linalg.norm(way)):.0f} cm to one side until it tips"
     yield Sign(float(s.time[0]), s.base, words, DRIVEN)
+
+
+def _stood_still(s: Signals, row: int) -> bool:
+    """Return whether hardly any of the way to a row was gone for a while at first."""
+    way = np.linalg.norm((s.com[: row + 1] - s.com[0]) @ s.level_axes.T, axis=1)
+    begun = int(np.flatnonzero(way <= BEGUN * way[-1])[-1])
+    return bool((begun + 1) * s.dt > QUIET)
 
 
 def _creeps(s: Signals) -> Iterator[Sign]:
@@ -81,6 +98,9 @@ def _first_torque(s: Signals) -> Sign | None:
     _, v = s.joint_state
     if s.torques.shape[1] < 2 or not v.shape[1] or np.abs(v[0]).max() > 1e-6:
         return None
+    in_the_air = s.floating and not s.loaded[: s.rows(CARRIED)].any()
+    if in_the_air and s.asked.any(axis=0).sum() < FEW:
+        return None  # a limb is swung to where it will land, one other rests
     share = np.abs(_shares(s)[0])
     k = int(share.argmax())
     if share[k] < s.limits.biased or np.delete(share, k).max() > 0.25 * share[k]:
@@ -117,7 +137,9 @@ def _jump(s: Signals, alone: bool) -> Sign | None:
     until = np.inf if fell is None else fell.time
     for t in np.flatnonzero(odd.any(axis=1)):
         which = np.flatnonzero(odd[t])
-        if (len(which) == 1) != alone:
+        # small torques that jump as never before are a controller's that switches, not one sensor's
+        with_it = (jump[t + 1] > JUMPS * before[t]) & (jump[t + 1] > WITH_IT * jump[t + 1].max())
+        if (len(which) == 1 and with_it.sum() <= 1) != alone:
             continue
         if (jump[t + 1] > s.limits.biased).sum() > len(which):  # a landing or a blow, which all joints answer
             continue
@@ -176,7 +198,7 @@ def _contact_changes(s: Signals) -> BoolArray:
 def led_out(s: Signals) -> Iterator[Sign]:
     """Yield that a body that stood at first leads itself out of its feet, without a jump of its torques."""
     row = left_the_feet(s)
-    if row is None or walks(s) or not s.torques.shape[1] or s.time[row] - s.time[0] < QUIET:
+    if row is None or walks(s, row) or not s.torques.shape[1] or s.time[row] - s.time[0] < QUIET:
         return
     if next(bias(s), None) is None and next(drift(s), None) is None:
         words = f"from {s.time[row]:.2f} s on its own torques lead it out over the edge of its feet"
@@ -192,7 +214,7 @@ def pull_at_rest(s: Signals) -> FloatArray | None:
     if "momentum_rate" not in s or not on.any() or not s.torques.shape[1] or s.height <= 0.0:
         return None
     first = int(on.argmax())
-    begun = slice(first, first + s.rows(0.15))
+    begun = slice(first, first + s.rows(AT_REST))
     at_rest = float(np.linalg.norm(s.com_velocity[first])) < 0.05 and first * s.dt < 0.02
     firm = bool((np.where(s.loaded[begun], s.gaps[begun], 0.0) > -s.limits.depth).all())
     return s.numbers("momentum_rate")[begun, :3].mean(axis=0) / s.weight if at_rest and firm else None
@@ -206,17 +228,17 @@ def wrong_mass(s: Signals) -> Iterator[Sign]:
         yield Sign(float(s.time[0]), s.base, words, 1.0)
         return
     pull = pull_at_rest(s)
-    if pull is None:
-        return
+    if pull is None or any(sign.time - s.time[0] < AT_REST for sign in chatter(s)):
+        return  # gains that chatter push as it happens
     up = float(pull @ s.up)
     along = (pull - up * s.up) @ s.level_axes.T
     if "command" in s:  # a body that is led somewhere is pushed there
-        led = s.level_axes @ s.heading[0].T @ s.numbers("command")[: s.rows(0.15), :2].mean(axis=0)
+        led = s.level_axes @ s.heading[0].T @ s.numbers("command")[: s.rows(AT_REST), :2].mean(axis=0)
         size = float(np.linalg.norm(led))
         if size > 0.0:
             along = along - max(float(along @ led) / size, 0.0) * led / size
     level = float(np.linalg.norm(along))
-    sags = up < 0.0 and level < s.limits.drives and at_limit(s)[: s.rows(0.15)].any()
+    sags = up < 0.0 and level < s.limits.drives and at_limit(s)[: s.rows(AT_REST)].any()
     if not sags and (abs(up) > s.limits.lifts or level > s.limits.drives):
         words = f"at rest its feet push it by {up:+.0%} of its weight upwards and {level:.0%} sideways"
         yield Sign(float(s.time[0]), s.base, words, abs(up) + level)

@@ -16,8 +16,14 @@ from surefoot.mechanics import frames_on
 from surefoot.records.audit.continuity import free_base
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.rows import Rows
+from surefoot.records.audit.story.hulls import outside_hulls
 from surefoot.records.audit.story.story_limits import STORY_LIMITS, StoryLimits
 from surefoot.records.log import Log
+
+CLOSING = 0.01
+"""Time before a touch in which two things close in on each other [s]."""
+OWN_PART = 0.25
+"""Share of that way that the contact's place goes, from which the robot went to what it touches."""
 
 
 class Signals:
@@ -74,14 +80,36 @@ class Signals:
 
     @cached_property
     def floating(self) -> bool:
-        """Whether the robot has a base that is free, in space or in an upright plane: it can fall."""
-        return self.free or self.plane_turn is not None
+        """Whether the robot has a base that is free, in space, in an upright plane or to rise: it falls."""
+        return self.free or self.plane_turn is not None or self._rises
+
+    def came_at(self, row: int, on: BoolArray) -> bool:
+        """Return whether contacts (p,) that begin in a row do so as the other thing moves, not the robot.
+
+        A hand that takes something up goes to it: the place of the contact has moved as the two closed in.
+        A robot that is not bolted takes up nothing with its links.
+        """
+        if not self.bolted or "contact_velocities" not in self or not on.any() or row < 1:
+            return True
+        first = max(row - self.rows(CLOSING), 0)
+        normals = self.normals[row][on]
+        way = np.einsum("pi,pi->p", self.positions[row][on] - self.positions[first][on], normals)
+        closed = self.numbers("contact_velocities")[first:row, on, 2].sum(axis=0) * self.dt
+        return bool(np.median(way) > OWN_PART * np.median(closed)) if np.median(closed) < 0.0 else True
 
     @cached_property
     def bolted(self) -> bool:
         """Whether the log's model says that the base cannot move."""
         root = self.texts("model_joint_kinds")[:1]
         return bool(root) and root != ("free",) and "free_wrenches" not in self.log.facts
+
+    @cached_property
+    def _rises(self) -> bool:
+        """Whether nothing but what it stands on holds up a base that slides."""
+        wrenches = np.asarray(self.log.facts.get("free_wrenches", np.zeros((0, 6))), dtype=np.float64)
+        if wrenches.ndim != 2 or wrenches.shape[1:] != (6,) or not self.torques.shape[1]:
+            return False
+        return bool((np.abs(wrenches[:, :3] @ self.up) > 0.5).any())
 
     @cached_property
     def plane_turn(self) -> int | None:
@@ -271,24 +299,14 @@ class Signals:
     @cached_property
     def capture_outside(self) -> FloatArray:
         """(T,) how far the capture point is outside the feet's hull [m]; zero inside, NaN in the air."""
-        from scipy.spatial import ConvexHull, QhullError
-
         points = self.com + self.com_velocity * self.pendulum_time
         capture, places = points @ self.level_axes.T, self.positions @ self.level_axes.T
-        feet = self.ground_feet
-        out = np.full(len(self.time), np.nan)
-        stride = self.rows(0.01)
-        for t in range(0, len(out), stride):
-            if not (self.loaded[t] & feet).any():
-                continue
-            at = places[t][feet]
-            try:
-                planes = ConvexHull(at).equations
-                distance = float((planes[:, :2] @ capture[t] + planes[:, 2]).max())
-            except (QhullError, ValueError):
-                distance = float(np.linalg.norm(at - capture[t], axis=1).min())
-            out[t : t + stride] = max(distance, 0.0)
-        return out
+        feet, stride = self.ground_feet, self.rows(0.01)
+        looked = np.arange(0, len(self.time), stride)
+        looked = looked[(self.loaded[looked] & feet).any(axis=1)]
+        found = np.full(-(-len(self.time) // stride), np.nan)
+        found[looked // stride] = outside_hulls(places[looked][:, feet], capture[looked])
+        return np.repeat(found, stride)[: len(self.time)]
 
     @cached_property
     def torques(self) -> FloatArray:

@@ -57,10 +57,7 @@ def story_of(
     cheap = [rule for rule in RULES if not rule.dear and (rule.alone or rule.outside)]
     rules = RULES if failed is not None or s.bolted else cheap
     found = [(rule, sign) for rule in rules for sign in rule.find(s)]
-    ordered = _order(found, s, failed)
-    if not ordered and failed is not None and failed.name in DRAWN_OUT:
-        # who loses its way little by little may have done so before the cause of its end
-        ordered = _order(found, s, replace(failed, time=float(s.time[-1])))
+    ordered, failed = _explain(found, s, failed, happened)
     asked = [(rule, sign, _without(rule, sign, s, failed)) for rule, sign in ordered]
     causes = tuple(
         replace(_cause(rule, sign), without="" if held is None else held.words)
@@ -75,6 +72,25 @@ def story_of(
         *(failed if failed is not None and event.name == failed.name else event for event in happened),
     ])  # fmt: skip
     return Story(tuple(sorted(events, key=lambda e: e.time)), causes, failed)
+
+
+def _explain(
+    found: list[tuple[Rule, Sign]], s: Signals, failed: Event | None, happened: list[Event]
+) -> tuple[list[tuple[Rule, Sign]], Event | None]:
+    """Return the causes that may explain what went wrong, and that: the next where none explains the first.
+
+    A foot that slides a little has not led a robot astray that loses its way later for another reason; after
+    a fall nothing more has to be explained.
+    """
+    fell = failed is not None and failed.name == "fell"
+    for event in [failed, *(() if fell else happened[1:])]:
+        ordered = _order(found, s, event)
+        if not ordered and event is not None and event.name in DRAWN_OUT:
+            # who loses its way little by little may have done so before the cause of its end
+            ordered = _order(found, s, replace(event, time=float(s.time[-1])))
+        if ordered:
+            return ordered, event
+    return [], failed
 
 
 def _without(rule: Rule, sign: Sign, s: Signals, failed: Event | None) -> Without | None:
@@ -134,7 +150,8 @@ def _is_of_a_step(one: tuple[Rule, Sign], steps: list[Sign]) -> bool:
 def _rank(one: tuple[Rule, Sign], s: Signals) -> tuple[float, bool]:
     """Return what orders causes: when they began, those from outside before what follows from them."""
     rule, sign = one
-    return sign.time - (s.limits.window if rule.outside or rule.leads else 0.0), not rule.outside
+    begun = sign.time if sign.shown is None else sign.shown
+    return begun - (s.limits.window if rule.outside or rule.leads else 0.0), not rule.outside
 
 
 def _may_explain(rule: Rule, sign: Sign, s: Signals, failed: Event | None) -> bool:

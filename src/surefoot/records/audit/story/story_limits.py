@@ -121,11 +121,6 @@ class StoryLimits(Settings):
         low=0.0,
         tuned=STORIES + "0.0007813 to 0.8",
     )
-    carried: float = setting(
-        0.03, "-", "torque that a joint carried, over its largest, before it lost it", low=0.0,
-        tuned="judgement, not measured: values from 0.0005 to 0.48 do as well, by "
-        "`python -m benchmarks.story_limits carried` with and without `--cause 'weak actuator' --untold`",
-    )  # fmt: skip
     weaker: float = setting(
         0.9,
         "-",

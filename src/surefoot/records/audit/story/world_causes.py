@@ -16,6 +16,8 @@ from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.symptoms.fits import rotation_between
 
+BEGUN = 0.1
+"""Share of an energy that has to be there before it is said to have begun."""
 CLOSE = 0.2
 """What is this close to a bolted base, over the robot's reach, belongs to it."""
 
@@ -63,7 +65,8 @@ def _hits(s: Signals) -> Iterator[tuple[int, int, FloatArray, str]]:
     for k in np.flatnonzero(s.on_movable & ~_bears_robot(s)):
         on = s.forces[:, k, 2] > s.limits.loaded * s.weight
         for start, end in joined_runs(on, s.rows(s.limits.lies)):
-            if (end - start) * s.dt < s.limits.lies:
+            only = np.arange(s.loaded.shape[1]) == k
+            if (end - start) * s.dt < s.limits.lies and s.came_at(start, only):
                 yield start, end, s.world_forces[:, k], s.links[k]
 
 
@@ -87,7 +90,8 @@ def payload(s: Signals) -> Iterator[Sign]:
         down = np.where(above, -(s.world_forces[:, mine] @ s.up), 0.0).sum(axis=1)
         for start, end in joined_runs(down > 0.0, s.rows(s.limits.lies)):
             mean = float(down[start:end].mean())
-            if (end - start) * s.dt >= s.limits.lies and mean > s.limits.payload * s.weight:
+            heavy = (end - start) * s.dt >= s.limits.lies and mean > s.limits.payload * s.weight
+            if heavy and s.came_at(start, mine & s.loaded[start]):
                 yield Sign(float(s.time[start]), link, f"{mean / GRAVITY:.2g} kg lies on {link}", 1.0)
 
 
@@ -195,7 +199,9 @@ def returned_energy(s: Signals) -> Iterator[Sign]:
     row = int(given.argmax())
     if given[row] > s.limits.returned * s.weight * s.height:
         k, lift = int(power[row].argmax()), float(given[row] / s.weight)
-        first = s.first(given > 0.5 * given[row]) or 0
+        first = max(row - s.rows(s.limits.lies), 0)
+        so_far = np.cumsum(np.maximum(power[first : row + s.rows(s.limits.lies)], 0.0).sum(axis=1))
+        first += int((so_far > BEGUN * so_far[-1]).argmax())
         words = (
             f"it gives back {given[row]:.2g} J within {s.limits.lies:g} s, enough to lift all by "
             f"{1e3 * lift:.0f} mm, where rigid contact gives none"
@@ -282,10 +288,16 @@ def wrong_frame(s: Signals) -> Iterator[Sign]:
 
 def _beyond_cones(s: Signals) -> Iterator[Sign]:
     """Yield that no contact gives most of a log's forces: where nothing else is known of what they moved."""
-    on = s.loaded & np.isfinite(s.mu) & (s.mu > 0.0)
-    if on.sum() < s.rows(s.limits.window):
-        return
-    share = float((s.friction_use[on] > 1.0 + s.limits.turned).mean())
+    # forces and cones that are wider than doubles are
+    with np.errstate(over="ignore"):
+        size = np.linalg.norm(s.forces, axis=-1)
+        on = (size > s.limits.loaded * s.weight) & np.isfinite(s.mu) & (s.mu > 0.0)
+        if on.sum() < s.rows(s.limits.window):
+            return
+        forces = s.forces[on]
+        # axes in another order may leave nothing along the normal
+        most = (1.0 + s.limits.turned) * s.mu[on] * np.maximum(forces[:, 2], 0.0)
+        share = float((np.hypot(forces[:, 0], forces[:, 1]) > most).mean())
     if share > 0.5:
         words = f"{share:.0%} of them lie far outside of their cones: their axes are not the contacts'"
         yield Sign(float(s.time[0]), "all", words, share)

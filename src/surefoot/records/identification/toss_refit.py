@@ -1,0 +1,140 @@
+"""The body and its surroundings fitted again under the law that is judged, on all frames of all tosses.
+
+A body that was found under a first law, from the frames just after the first touch, is not the best one for
+another law or for what follows. From there every parameter, the law's and the body's, is moved alone until
+no move pays (`toss_search`). What free flight and rest tell, gravity and slopes, stays in its interval.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from surefoot.base.arrays import FloatArray
+from surefoot.records.identification.ground_plane import GroundPlane
+from surefoot.records.identification.thrown_body import ThrownBody, TossParameter
+from surefoot.records.identification.toss_errors import deviations
+from surefoot.records.identification.toss_fit import BodyFit, Estimate
+from surefoot.records.identification.toss_model import TossModel, TossScene
+from surefoot.records.identification.toss_search import SearchResult, search
+from surefoot.records.identification.toss_start import TossFlight
+from surefoot.records.identification.tosses import Tosses
+
+SLOPES = ("slope_x", "slope_y")
+"""Names of the ground's slopes among the values of a fit."""
+MEASURED = {"gravity": 0.02, SLOPES[0]: 5e-4, SLOPES[1]: 5e-4}
+"""Numbers that are measured without a law, and a step of each that shows [m/s², -, -]."""
+
+
+class Refit(NamedTuple):
+    """A law's values (d,) with their bootstrap draws (S, d), the body found with them, and the search."""
+
+    values: FloatArray
+    draws: FloatArray
+    found: BodyFit
+    result: SearchResult
+
+
+def scene_at(tosses: Tosses, body: ThrownBody, flight: TossFlight, now: dict[str, float]) -> TossScene:
+    """Return the scene of a body and a ground whose numbers are these, by name."""
+    plane = GroundPlane(now["ground"], np.array([now[name] for name in SLOPES]))
+    starts = flight.corrected(body.tree, now["gravity"])
+    return TossScene(starts, tosses.frames, tosses.dt, plane, now["gravity"], body)
+
+
+def ground_parameter(height: float) -> TossParameter:
+    """Return the height of the ground [m] as something to fit."""
+    return TossParameter("ground", height, 2e-4, -1e3, 1e3, "m")
+
+
+def estimate_of(value: float, draws: FloatArray, unit: str) -> Estimate:
+    """Return a value and the 95 % interval of its draws (S,), which holds it."""
+    low, high = np.percentile(draws, [2.5, 97.5])
+    return Estimate(float(value), min(float(low), float(value)), max(float(high), float(value)), unit)
+
+
+def refit_body(
+    tosses: Tosses, simulator: TossModel, found: BodyFit, values: FloatArray, draws: FloatArray,
+    tick: Callable[[float], None],
+) -> Refit:  # fmt: skip
+    """Fit a law and everything around it together.
+
+    Parameters
+    ----------
+    tosses
+        Upright, see `BodyFit.upright`.
+    simulator, values
+        The law, and (d,) where its parameters are.
+    found
+        The body so far; its `scale` is the loss's.
+    draws
+        (S, B) weights of the tosses in each bootstrap sample.
+    tick
+        Called with the number of tosses of each simulation.
+    """
+    own, now = simulator.parameters, found.values
+    around, parameters = _list_around(found), list_parameters(simulator, found)
+    names, count = [p.name for p in parameters], len(own)
+    throw = simulate_around(tosses, simulator, found)
+
+    def simulate(point: FloatArray) -> FloatArray:
+        tick(len(tosses))
+        return throw(point)
+
+    start = np.append(values, [now[name] for name in names[count:]])
+    best = search(simulate, parameters, start, tosses.frames, draws, scale=found.scale, descents=2)
+    spread = dict(zip(names, best.draws.T, strict=True))
+    here = now | dict(zip(names, best.values.tolist(), strict=True))
+    plane = GroundPlane(here["ground"], np.array([here[name] for name in SLOPES]), found.plane.clear)
+    estimates = found.parameters | {p.name: estimate_of(here[p.name], spread[p.name], p.unit) for p in around}
+    degrees = [float(np.degrees(np.arctan(here[name]))) for name in SLOPES]
+    for name, value in zip(("gravity", "tilt_x", "tilt_y"), (here["gravity"], *degrees), strict=True):
+        was = estimates[name]
+        estimates[name] = Estimate(value, min(was.low, value), max(was.high, value), was.unit)
+    body = found.nominal.at({name: here[name] for name in names[count:]})
+    refitted = found._replace(
+        body=body, plane=plane, gravity=here["gravity"], parameters=estimates, values=here,
+        draws=found.draws | {p.name: spread[p.name] for p in around}, scale=best.scale,
+    )  # fmt: skip
+    return Refit(best.values[:count], best.draws[:, :count], refitted, best)
+
+
+def list_parameters(simulator: TossModel, found: BodyFit) -> list[TossParameter]:
+    """Return what is fitted together: the law's, the ground's height, the body's, gravity and slopes."""
+    return [*simulator.parameters, *_list_around(found), *_list_measured(found)]
+
+
+def simulate_around(
+    tosses: Tosses, simulator: TossModel, found: BodyFit
+) -> Callable[[FloatArray], FloatArray]:
+    """Return what maps values of `list_parameters` to deviations (N, m); tosses are upright.
+
+    They are in widths of the body as it was first found, whatever a law made of it since: of every law alike.
+    """
+    count, width, arm = len(simulator.parameters), found.first[0].width, found.first[0].arm
+    names = [p.name for p in list_parameters(simulator, found)]
+    flight = TossFlight(tosses, found.before(tosses), found.first[0].tree, found.first[2])
+
+    def simulate(point: FloatArray) -> FloatArray:
+        here = dict(zip(names[count:], point[count:].tolist(), strict=True))
+        scene = scene_at(tosses, found.nominal.at(here), flight, here)
+        return deviations(tosses, simulator.rollout(point[:count], scene), width, arm)
+
+    return simulate
+
+
+def _list_around(found: BodyFit) -> list[TossParameter]:
+    """Return the ground's height and what is fitted of the body."""
+    return [ground_parameter(found.values["ground"]), *found.nominal.parameters]
+
+
+def _list_measured(found: BodyFit) -> list[TossParameter]:
+    """Return gravity and slopes, each within its 95 % interval."""
+    out = []
+    for name, step in MEASURED.items():
+        value = found.values[name]
+        low, high = np.percentile(found.draws[name], [2.5, 97.5])
+        out.append(TossParameter(name, value, step, min(float(low), value), max(float(high), value)))
+    return out
