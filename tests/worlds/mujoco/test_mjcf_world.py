@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from benchmarks.legged import write_legged
 from surefoot.app.cli.run_output import walk_headline
 from surefoot.base.errors import ModelError, ProblemError
 from surefoot.mechanics.robot.rotors import joint_figures
 from surefoot.mechanics.terrain import FlatTerrain, SlopeTerrain
+from surefoot.motion.walking.walkers import walking_controller
 from surefoot.motion.walking.walking_body import VelocityCommand
 from surefoot.motion.walking.walking_controller import WalkingController, WalkSettings
 from surefoot.records.audit import summarise_walk
@@ -20,8 +22,8 @@ from surefoot.worlds.mujoco.mjcf_world import MjcfWorld
 from surefoot.worlds.running.run import Scenario, run
 from surefoot.worlds.running.sensors import SensorModel
 from surefoot.worlds.running.walk_terrain import start_pose
-from tests.legged import write_legged
 from tests.moving import advance, lifted
+from tests.standing_biped import write_biped_mjcf
 
 MODELS = Path(__file__).parents[3] / "examples" / "models"
 MOTORS, SERVOS = MODELS / "quadruped.xml", MODELS / "quadruped_servos.xml"
@@ -141,7 +143,6 @@ def test_payload_and_links(tmp_path: Path) -> None:
     ("changes", "said"),
     [
         ([('<geom name="floor" type="plane"', '<geom name="ramp" type="plane" euler="0 0.2 0"')], "ramp"),
-        ([('type="sphere" size="0.02"', 'type="box" size="0.02 0.02 0.02"')], "is no sphere|sphere"),
         ([('<motor class="knee" name="FL_knee" joint="FL_knee"/>',
            '<muscle class="knee" name="FL_knee" joint="FL_knee"/>')], "FL_knee"),
         ([('<motor class="knee" name="FL_knee" joint="FL_knee"/>',
@@ -202,3 +203,48 @@ def test_ground_that_is_ours_is_as_soft_as_the_files_feet(tmp_path: Path) -> Non
     inverse, load = world.model.body_invweight0[foot, 0], robot.mass * 9.81 / 4
     assert depths['solimp="0.9 0.9 0.001"'] == pytest.approx((1 - d) * inverse * load * tc**2, rel=0.05)
     assert depths['solref="0.04 1"'] > 1e-3
+
+
+def test_a_missing_mesh_costs_itself_alone(tmp_path: Path) -> None:
+    """What only draws is left out: the robot is simulated as before."""
+    asset = '<asset><mesh name="shell" file="gone.stl"/></asset>\n  <worldbody>'
+    shell = '<geom type="mesh" mesh="shell" density="0" contype="0" conaffinity="0"/>\n'
+    path = changed(tmp_path, ("<worldbody>", asset), ("<freejoint", shell + "<freejoint"))
+    with pytest.raises(ValueError, match=r"gone\.stl"):
+        mujoco.MjModel.from_xml_path(str(path))
+    world, plain = MjcfWorld(load(path), path), MjcfWorld(load(MOTORS), MOTORS)
+    for one in (world, plain):
+        one.step(np.ones(12))
+    np.testing.assert_array_equal(world.data.qpos, plain.data.qpos)
+
+
+@pytest.mark.parametrize("kind", ["box", "two boxes"])
+def test_soles_that_are_no_spheres_stand_on_their_corners(tmp_path: Path, kind: str) -> None:
+    """The file's boxes touch nothing any more; its robot stands, and its weight is on eight corners."""
+    sole = '<geom class="contact" type="box" size="{} 0.04 0.01" pos="{} 0 -0.03" solref="0.01 1"/>'
+    shapes = (
+        sole.format(0.09, 0.02) if kind == "box" else sole.format(0.045, -0.025) + sole.format(0.045, 0.065)
+    )
+    path = write_biped_mjcf(tmp_path, shapes)
+    robot = sf.load_robot(path, feet=["left_foot", "right_foot"])
+    motors = "".join(f'<motor joint="{name}" ctrlrange="-200 200"/>' for name in robot.joint_names)
+    whole = path.read_text(encoding="utf-8").replace("</mujoco>", f"<actuator>{motors}</actuator></mujoco>")
+    path.write_text(whole, encoding="utf-8")
+    world = MjcfWorld(robot, path)
+    assert len(world.contact_foot) == 8
+    model = world.model
+    touching = (model.geom_contype | model.geom_conaffinity) > 0
+    assert not (touching & (model.geom_type == mujoco.mjtGeom.mjGEOM_BOX)).any()
+    corners = [g for g in range(model.ngeom) if model.geom(g).name.startswith("foot:")]
+    np.testing.assert_allclose(model.geom_solref[corners], np.tile([0.01, 1.0], (8, 1)))
+    world.reset(sf.place(robot, FlatTerrain()))
+    log = run(world, walking_controller(robot, VelocityCommand.constant(0.0, 0.0, 0.0)), Scenario(0.5))
+    assert log["forces"][-1, :, 2].sum() == pytest.approx(robot.mass * 9.81, rel=0.02)
+
+
+def test_joints_beside_the_robot_are_named(tmp_path: Path) -> None:
+    loose = '<body name="spare"><joint name="spare_joint" type="hinge"/><inertial pos="0 0 0" mass="1" '
+    loose += 'diaginertia="1 1 1"/></body></worldbody>'
+    path = changed(tmp_path, ("</worldbody>", loose))
+    with pytest.raises(ModelError, match="on bodies of their own: spare_joint; a copy of the file"):
+        MjcfWorld(load(path), path)

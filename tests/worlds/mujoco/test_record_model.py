@@ -127,3 +127,26 @@ def test_the_robot_is_what_actuators_drive() -> None:
     assert BodyTree(mujoco, model, None).name == "torso"
     assert crate(steps=3).facts["model_bodies"] == ["crate"]
     assert len(STANCE) == 12
+
+
+def test_hulls_of_meshes_are_kept_where_they_may_touch() -> None:
+    """The farthest corner in every direction is the mesh's own; shapes that touch nothing keep none."""
+    points = np.random.default_rng(5).normal(size=(60, 3)) * (0.1, 0.2, 0.05)
+    vertices = " ".join(f"{x:.6f}" for x in points.ravel())
+    model = mujoco.MjModel.from_xml_string(f"""<mujoco>
+<asset><mesh name='rock' vertex='{vertices}'/><mesh name='veil' vertex='{vertices}' scale='2 2 2'/></asset>
+<worldbody><geom type='plane' size='5 5 1'/><body pos='0 0 .4'><freejoint/>
+<geom name='ball' size='.02' pos='0 0 .3' mass='.1'/>
+<geom name='shell' type='mesh' mesh='rock' pos='.1 0 0' euler='30 0 20' mass='2'/>
+<geom type='mesh' mesh='veil' mass='0' contype='0' conaffinity='0'/></body></worldbody></mujoco>""")
+    data = mujoco.MjData(model)
+    with sf.record(model, data) as log:
+        for _ in range(5):
+            mujoco.mj_step(model, data)
+    kept, owners = np.asarray(log.facts["model_hull_corners"]), np.asarray(log.facts["model_hull_geoms"])
+    assert list(log.facts["model_geoms"])[int(owners[0])] == "shell"
+    assert (owners == owners[0]).all()
+    mesh = int(model.geom("shell").dataid[0])
+    own = model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]]
+    ways = np.random.default_rng(6).normal(size=(200, 3))
+    np.testing.assert_allclose((ways @ kept.T).max(axis=1), (ways @ own.T).max(axis=1), atol=1e-6)

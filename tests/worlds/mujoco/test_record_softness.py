@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from surefoot.contact import MujocoLaw
 from surefoot.mechanics.robot import load_robot, place
 from surefoot.mechanics.terrain import FlatTerrain
 from surefoot.motion.standing.standing_controller import StandingController
@@ -13,7 +14,8 @@ from surefoot.motion.standing.standing_plan import StandingPlan
 from surefoot.records.audit.limits import LIMITS
 from surefoot.records.audit.log_context import setting_of
 from surefoot.worlds.interface.world_names import make_world
-from surefoot.worlds.mujoco.record_softness import soft_contact
+from surefoot.worlds.mujoco.landing import impedance_at
+from surefoot.worlds.mujoco.record_softness import SoftContact, soft_contact
 from surefoot.worlds.running.run import Scenario, run
 from surefoot.worlds.running.scenario import STANDING_FALL, START_DEPTH
 from tests.worlds.mujoco.recordings import recorded
@@ -148,3 +150,20 @@ def test_a_box_that_tumbles_down_is_lawful_and_one_that_sticks_beyond_its_cone_i
     forces[500:550, :, 0] = 2.0 * forces[500:550, :, 2]
     spoilt = sf.Log(dict(log.arrays) | {"forces": forces}, log.facts, channels=log.channels)
     assert sf.audit_log(spoilt).verdict == "broken"
+
+
+def test_compiled_impedance_is_the_laws() -> None:
+    """At depths below, within and beyond the width, of powers and midpoints at their bounds."""
+    rng = np.random.default_rng(5)
+    for _ in range(50):
+        solimp = (
+            *rng.uniform(0.0, 1.0, 2),
+            float(rng.uniform(0.0, 0.02)),
+            float(rng.uniform()),
+            rng.uniform(0.5, 4),
+        )
+        law = MujocoLaw((0.02, 1.0), tuple(map(float, solimp)))
+        soft = SoftContact(law, 1.0, 1.0, 1.0, 1.0, 0.5, 0.002)
+        for depth in rng.uniform(0.0, 0.03, 8):
+            expected = float(law.impedance(np.array(depth))[0])
+            assert impedance_at(soft._numbers, float(depth)) == pytest.approx(expected, rel=1e-12)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -65,7 +66,7 @@ def test_a_recording_is_replayed_without_a_name(recording: Any) -> None:
         ({"model_inertias": None}, "no fact model_inertias"),
         ({"model_joint_kinds": ["free", *["other"] * 12]}, "no free base with hinges"),
         ({"gravity": np.array([0.0, 0.0, -1.6])}, "gravity"),
-        ({"model_geom_types": 7.0}, "is a mesh"),
+        ({"model_geom_types": 7.0}, "does not keep"),
         ({"change_kind": ["mass"]}, "changed masses"),
     ],
 )
@@ -90,3 +91,28 @@ def test_ground_that_is_not_level_is_asked_for(recording: Any) -> None:
     assert ground_of_recording(other) is None
     with pytest.raises(ProblemError, match="give terrain"):
         sf.replay_log(other, "mujoco-exact")
+
+
+def test_feet_that_are_meshes_come_back_as_their_hulls(tmp_path: Path) -> None:
+    """Bricks of twelve vertices, four of them inside: the log's robot stands on the other eight."""
+    corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+    inner = [(x, 0.3, 0.2) for x in (-0.4, -0.1, 0.2, 0.5)]
+    vertices = " ".join(str(number) for corner in [*corners, *inner] for number in corner)
+    mesh = f'<asset><mesh name="brick" vertex="{vertices}" scale="0.03 0.02 0.02"/></asset>\n  <worldbody>'
+    text = SERVOS.read_text().replace("<worldbody>", mesh, 1)
+    text, count = re.subn(r'type="sphere" size="0.0\d+"', 'type="mesh" mesh="brick"', text)
+    assert count == 1  # the class of all four
+    path = tmp_path / "bricks.xml"
+    path.write_text(text)
+    own = sf.load_robot(path, feet=FEET)
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    data.qpos[2] = 0.5
+    with sf.record(model, data) as log:  # it falls, and touches with all feet
+        for _ in range(400):
+            mujoco.mj_step(model, data)
+    log.save(tmp_path / "loop.npz")
+    read = sf.read_log(tmp_path / "loop.npz")
+    assert len(read.facts["model_hull_corners"]) == 32
+    loaded = robot_of_recording(read)
+    np.testing.assert_allclose(loaded.foot_positions(own.nominal), own.foot_positions(own.nominal), atol=1e-6)

@@ -11,9 +11,15 @@ import pytest
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY, rotation_from_quaternion
 from surefoot.mechanics.robot import Robot
-from surefoot.motion.estimation.inekf import FilterNoise
+from surefoot.motion.estimation.inekf import STIFF_FEET, FilterNoise
 from surefoot.worlds.running.sensor_kernels import mean_readings
-from surefoot.worlds.running.sensors import EncoderModel, ImuModel, SensorModel, Sensors, TouchModel
+from surefoot.worlds.running.sensors import (
+    EncoderModel,
+    ImuModel,
+    SensorModel,
+    Sensors,
+    TouchModel,
+)
 
 DT = 0.001
 
@@ -90,7 +96,7 @@ def test_biases_walk(robot: Robot) -> None:
 @pytest.mark.parametrize("level", [0.0, 1.0, 30.0])
 def test_a_filter_believes_in_no_less_noise_than_there_is(level: float) -> None:
     """A filter that trusts a sensor more than it deserves drifts; and no belief falls below the default."""
-    sensors, usual = SensorModel().scaled(level), FilterNoise()
+    sensors, usual = SensorModel().scaled(level), replace(FilterNoise(), **STIFF_FEET)
     imu, encoders, belief = sensors.imu, sensors.encoders, sensors.filter_noise()
     there = {
         "gyro": imu.gyro_noise, "accelerometer": imu.accelerometer_noise,

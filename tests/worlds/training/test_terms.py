@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -26,6 +28,10 @@ TERMS: dict[str, tuple[Callable[..., Any], tuple[Any, ...]]] = {
     "foot_impact": (lambda g, v, w: sf.rl.terms.foot_impact(g, v), (GAPS, VELOCITIES)),
     "unlawful_force": (
         lambda f, g, v, w: sf.rl.terms.unlawful_force(f, g, v, 0.6, w), (FORCES, GAPS, VELOCITIES)
+    ),
+    "step_certificate": (
+        lambda g, v, p, c, a, w: sf.rl.terms.step_certificate(p, g, v, c, a, 0.6, 0.02),
+        (GAPS, VELOCITIES, PLACES, COM + np.array([0.0, 0.0, 3.0]), 4.0 * COM),
     ),
     "support_margin": (
         lambda f, p, c, w: sf.rl.terms.support_margin(p, f, c, w), (FORCES, PLACES, COM)
@@ -89,6 +95,32 @@ def test_corners_lines_and_single_feet_are_borders() -> None:
     np.testing.assert_allclose(found, [0.0, 0.0, 0.0, -0.5, -0.2], atol=1e-15)
 
 
+def test_a_negative_certificate_is_an_infeasible_program() -> None:
+    """Of forces in pyramids around the cones, moments about the centre of mass zero: none; else there are."""
+    rng, signs = np.random.default_rng(7), set()
+    angles = np.linspace(0.0, 2.0 * np.pi, 25)[:-1]
+    for _ in range(60):
+        feet = np.append(rng.uniform(-0.3, 0.3, (4, 2)), np.zeros((4, 1)), axis=1)
+        gaps, com = rng.choice([0.0, 0.1], 4, p=[0.7, 0.3]), np.array([*rng.uniform(-0.1, 0.1, 2), 0.4])
+        a, mu = rng.uniform(-4.0, 4.0, 3), rng.uniform(0.3, 1.0)
+        found = sf.rl.terms.step_certificate(
+            feet[None], gaps[None], np.zeros((1, 4, 3)), com[None], a[None], mu, 0.02
+        )[0]
+        on = feet[gaps == 0.0]
+        if not len(on) or abs(found) < 0.01:
+            continue
+        outer = mu / np.cos(np.pi / 24.0)
+        rays = np.stack([outer * np.cos(angles), outer * np.sin(angles), np.ones(24)], axis=1)
+        columns = [np.concatenate([ray, np.cross(foot - com, ray)]) for foot in on for ray in rays]
+        # moments about the vertical are the feet's own matter: the certificate leaves them open
+        rows = [0, 1, 2, 3, 4]
+        wanted = np.concatenate([a / 9.81 + [0.0, 0.0, 1.0], np.zeros(3)])
+        program = linprog(np.zeros(len(columns)), A_eq=np.array(columns).T[rows], b_eq=wanted[rows])
+        assert (program.status == 0) == (found > 0.0), (found, program.status)
+        signs.add(bool(found > 0.0))
+    assert signs == {True, False}
+
+
 def test_half_the_load_is_half_of_the_slip() -> None:
     """No threshold is there to stay below."""
     one = sf.rl.terms.slip_under_load(np.maximum(FORCES, 0.0), VELOCITIES, WEIGHT)
@@ -116,12 +148,26 @@ def test_jax_gives_numpys_numbers_and_finite_slopes(name: str) -> None:
         assert bool(jax.numpy.isfinite(still).all())
 
 
+def test_without_gymnasium_the_wrapper_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It names the extra; terms are there all the same."""
+    monkeypatch.setitem(sys.modules, "gymnasium", None)
+    with pytest.raises(
+        sf.SurefootError, match=r"gymnasium is not installed; run: pip install -e '\.\[gym\]'"
+    ):
+        sf.rl.AuditWrapper(None)
+    with pytest.raises(AttributeError, match="Wrapper"):
+        sf.rl.Wrapper  # noqa: B018
+    assert sf.rl.terms is not None
+
+
+@pytest.mark.filterwarnings("ignore:.*torch.jit.*:DeprecationWarning")  # torch's own, of its compiler
 @pytest.mark.parametrize("name", TERMS)
 def test_torch_gives_numpys_numbers(name: str) -> None:
-    """Eager and compiled, to rounding."""
+    """Eager and compiled, to rounding; by inductor where a compiler is."""
     torch = pytest.importorskip("torch")
     term, arrays = TERMS[name]
     given_ = [*map(torch.as_tensor, arrays), torch.full((N,), WEIGHT, dtype=torch.float64)]
     expected = term(*arrays, np.full(N, WEIGHT))
-    for form in (term, torch.compile(term, backend="aot_eager")):
+    backend = "inductor" if shutil.which("g++") else "aot_eager"
+    for form in (term, torch.compile(term, backend=backend)):
         np.testing.assert_allclose(form(*given_).numpy(), expected, rtol=1e-12, atol=1e-12)

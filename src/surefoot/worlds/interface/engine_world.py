@@ -134,6 +134,11 @@ def joint_kind(joint: Any, name: str) -> tuple[str, list[float]]:
         return words[kind[0]], np.array(joint.extract().axis).tolist()
     if len(kind) == 2 and kind[0] in words and kind[1] in "XYZ":
         return words[kind[0]], axes["XYZ".index(kind[1])].tolist()
+    if kind.startswith("RUB") or kind == "RevoluteUnboundedUnaligned":
+        raise ModelError(
+            f"joint {name} turns without end, as a wheel does, and this world takes hinges that have a range "
+            "(type revolute), and slides. Give it a range, or weld it (type fixed)"
+        )
     raise ModelError(f"joint {name} is a {kind}; this world takes revolute and prismatic joints")
 
 

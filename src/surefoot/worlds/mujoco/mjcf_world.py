@@ -9,19 +9,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, IntArray, finite_array, real_number
-from surefoot.base.errors import ModelError, ProblemError, check_name
+from surefoot.base.errors import ModelError, ProblemError, check_name, mujoco_line
 from surefoot.base.numerics.vectors import finite_vector
 from surefoot.base.spatial import GRAVITY
-from surefoot.mechanics import Robot, Terrain, file_actuators, mujoco_line, with_rotors
+from surefoot.mechanics import Robot, Terrain, file_actuators, read_present, with_rotors
 from surefoot.records import Log
 from surefoot.worlds.interface.world import ground_of
 from surefoot.worlds.mujoco.actuators import Drives
+from surefoot.worlds.mujoco.mjcf_feet import add_corners, foot_geoms
 from surefoot.worlds.mujoco.mujoco_world import HEAVIEST, MujocoWorld, add_ground
 from surefoot.worlds.mujoco.record_softness import world_softness
 from surefoot.worlds.mujoco.spec import GroundLaw, add_payload, compile_spec, import_mujoco
-
-MATCH = 1e-6
-"""Distance between a foot of the robot and the file's sphere for it [m]."""
 
 
 class MjcfWorld(MujocoWorld):
@@ -36,7 +34,7 @@ class MjcfWorld(MujocoWorld):
     Parameters
     ----------
     robot
-        Loaded from the same file, with its feet: spheres there.
+        Loaded from the same file, with its feet: spheres there, or soles, whose corners become spheres.
     path
         The file.
     terrain
@@ -56,8 +54,8 @@ class MjcfWorld(MujocoWorld):
     Raises
     ------
     ModelError
-        For a file that MuJoCo cannot read, whose robot is another, whose feet are no spheres, or whose
-        actuators are neither motors nor servos.
+        For a file that MuJoCo cannot read, whose robot is another, or whose actuators are neither motors nor
+        servos.
     ProblemError
         For a file whose ground is not level, or a terrain on top of it.
     """
@@ -92,10 +90,11 @@ class MjcfWorld(MujocoWorld):
             )
         root = int(raw.jnt_bodyid[0]) if raw.njnt else 0
         self._set_options(spec, root)
+        joints = _joints(mujoco, raw, self.robot, path)
+        add_corners(mujoco, spec, raw, self.robot)
         self.model = compile_spec(spec, path)
-        joints = _joints(mujoco, self.model, self.robot, path)
         self._drives = Drives(mujoco, self.model, joints)
-        feet = _feet(mujoco, self.model, self.robot, path)
+        feet = foot_geoms(mujoco, self.model, self.robot, path)
         check_name("collision", collision, ("feet", "full"))
         self._take(feet, root, collision == "full", floors)
         both, model = [*feet, *self.ground_geoms], self.model
@@ -154,10 +153,9 @@ class MjcfWorld(MujocoWorld):
 def _read(mujoco: Any, path: str | Path) -> tuple[Any, Any]:
     """Return the file's MjSpec, and its model as it is."""
     try:
-        spec = mujoco.MjSpec.from_file(str(path))
+        return read_present(mujoco, Path(path))
     except (ValueError, OSError) as error:
         raise ModelError(f"{path} is not an MJCF that MuJoCo can read: {mujoco_line(error)}") from error
-    return spec, compile_spec(spec, path)
 
 
 def _floors(mujoco: Any, model: Any) -> list[int]:
@@ -183,33 +181,13 @@ def _joints(mujoco: Any, model: Any, robot: Robot, path: str | Path) -> IntArray
     free = int(mujoco.mjtJoint.mjJNT_FREE)
     names = tuple(model.joint(j).name or f"joint_{j}" for j in range(1, model.njnt))
     if not robot.floating or not model.njnt or int(model.jnt_type[0]) != free or names != robot.joint_names:
+        loose = [name for name in names if name not in robot.joint_names]
+        if robot.floating and loose and set(robot.joint_names) < set(names):
+            raise ModelError(
+                f"{path} has joints beside the robot, on bodies of their own: {', '.join(loose)}; "
+                "a copy of the file without these bodies can be simulated, or take --world rigid"
+            )
         raise ModelError(
             f"{path} and {robot.name} are not one robot with a free base: load it from that file"
         )
     return np.arange(1, model.njnt)
-
-
-def _feet(mujoco: Any, model: Any, robot: Robot, path: str | Path) -> IntArray:
-    """Return the geoms (p,) of the robot's contact points, which are spheres there."""
-    data = mujoco.MjData(model)
-    q = robot.nominal
-    data.qpos[:] = q
-    data.qpos[3:7] = [q[6], q[3], q[4], q[5]]
-    mujoco.mj_kinematics(model, data)
-    points, out = robot.contact_points, []
-    robot.sphere_bottoms(q)
-    sphere = np.array(model.geom_type) == int(mujoco.mjtGeom.mjGEOM_SPHERE)
-    solid = (np.array(model.geom_contype) | np.array(model.geom_conaffinity)) > 0
-    for k, name in enumerate(points.names):
-        centre = robot.data.oMf[points.frames[points.foot[k]]].act(points.centres[k])
-        near = np.linalg.norm(data.geom_xpos - centre, axis=1) < MATCH
-        same = np.abs(model.geom_size[:, 0] - points.radii[k]) < MATCH
-        found = np.flatnonzero(sphere & solid & near & same)
-        if not found.size:
-            raise ModelError(
-                f"foot {name.split(':')[0]} of {path} is no sphere; feet are spheres that collide"
-            )
-        if model.geom_condim[found[0]] < 3:
-            model.geom_condim[found[0]] = 3  # a foot without friction has no tangential force to read
-        out.append(int(found[0]))
-    return np.array(out, dtype=np.int64)

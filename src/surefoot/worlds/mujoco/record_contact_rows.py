@@ -28,6 +28,15 @@ class BodyVelocities(Protocol):
     subtree_com: FloatArray
 
 
+class ConstraintForces(Protocol):
+    """Contacts, c of them with ``dim`` and ``friction``, and the forces (c,) of their constraints."""
+
+    contacts: Any
+
+    def constraint(self, number: int) -> tuple[FloatArray, FloatArray]:
+        """Return the forces (c,) of every contact's constraint of a number, and more."""
+
+
 class OuterContacts(NamedTuple):
     """Contacts of the robot with anything else, as they were copied: c of them.
 
@@ -87,7 +96,7 @@ def relative_velocities(
     return np.asarray(moving[0] - moving[1])
 
 
-def decoded_forces(raw: RawBlock, pyramids: bool) -> FloatArray:
+def decoded_forces(raw: ConstraintForces, pyramids: bool) -> FloatArray:
     """Return contact forces and moments (c, 6) in MuJoCo's contact axes, from its constraints' forces.
 
     A pyramid's are sums over its edges, n ± mu t each.

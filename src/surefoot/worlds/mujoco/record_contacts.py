@@ -24,9 +24,10 @@ from surefoot.worlds.mujoco.record_contact_rows import (
     mean_rows,
 )
 from surefoot.worlds.mujoco.record_instants import Instants, Kinematics
-from surefoot.worlds.mujoco.record_model import body_name
+from surefoot.worlds.mujoco.record_model import body_name, geom_name
 from surefoot.worlds.mujoco.record_softness import (
     SoftContact,
+    declare_response,
     declare_softness,
     hardest_landing,
     soft_contact,
@@ -250,13 +251,12 @@ class Slots:
         return slot
 
     def softness(self, qpos: FloatArray, points: dict[str, Any], load: float) -> dict[str, float]:
-        """Return the facts `sinking`, `creep` and `stopping` under a load [N], see `record_softness`."""
+        """Return what the model declares of its softness under a load [N], see `record_softness`."""
         pairs = [slot.bodies for slot in self._slots]
         landing = hardest_landing(self._mujoco, self._model, pairs, qpos, points)
-        return declare_softness([slot.soft for slot in self._slots if slot.soft is not None], load, landing)
+        soft = [slot.soft for slot in self._slots if slot.soft is not None]
+        return declare_softness(soft, load, landing) | declare_response(soft, load)
 
     def name(self, geom: int) -> str:
         """Return the name of a geom, else its body's with its number."""
-        model = self._model
-        body = str(model.body(int(model.geom_bodyid[geom])).name)
-        return str(model.geom(geom).name) or f"{body or 'body'}:{geom}"
+        return geom_name(self._model, geom)

@@ -17,6 +17,7 @@ from surefoot.base.arrays import FloatArray
 from surefoot.base.kernels import entry_point
 from surefoot.worlds.mujoco.record_capture import RawBlock
 from surefoot.worlds.mujoco.record_copy import COPY_TYPES, MemoryTable, parts_differ
+from surefoot.worlds.mujoco.record_hulls import hull_facts
 from surefoot.worlds.mujoco.record_tree import BodyTree
 
 LOWEST = 0.5
@@ -189,6 +190,12 @@ def body_name(model: Any, body: int) -> str:
     return str(model.body(body).name) or f"body {body}"
 
 
+def geom_name(model: Any, geom: int) -> str:
+    """Return the name of a geom, else its body's with its number."""
+    body = str(model.body(int(model.geom_bodyid[geom])).name)
+    return str(model.geom(geom).name) or f"{body or 'body'}:{geom}"
+
+
 def foot_geoms(model: Any, data: Any, tree: BodyTree) -> set[int]:
     """Return the geoms that are feet: the lowest of the limbs' ends that reach down, in the pose of the data.
 
@@ -282,6 +289,7 @@ def model_facts(mujoco: Any, model: Any, tree: BodyTree, geom_names: Sequence[st
         "model_geom_sizes": np.array(model.geom_size[geoms]),
         "model_geom_positions": np.array(model.geom_pos[geoms]),
         "model_geom_orientations": np.array(model.geom_quat[geoms]),
+        **hull_facts(mujoco, model, geoms.tolist()),
         "model_actuators": [str(model.actuator(k).name) or f"actuator {k}" for k in range(model.nu)],
     }
 

@@ -16,8 +16,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,13 +26,14 @@ from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.errors import ProblemError
 from surefoot.contact import MujocoLaw
 from surefoot.records import Log
+from surefoot.worlds.mujoco.landing import impedance_at, landing_depth, recoil_rate, rest_depth
 
-MOST_STEPS = 20_000
-"""Of a landing."""
 SWING = 5.0
 """Time constants of a critically damped contact after which a touchdown has died away: to one per cent."""
 PARTS = 20
 """Parts of a step in which a landing is followed that Runge and Kutta integrate: close to its true motion."""
+DEPTHS = (1e-5, 1e-4, 1e-3, 1e-2, 1e-1)
+"""From which contacts come out of the ground, and at which they creep [m]: impedance changes with depth."""
 ROUNDED = 1.0 + 1e-9
 """A contact on its own lands as deep as its law says, to the last bits."""
 
@@ -92,7 +94,7 @@ class SoftContact:
 
     def _regularisation(self, depth: float) -> tuple[float, float]:
         """Return d(r) and (1 - d) / d Â."""
-        d = float(self.law.impedance(np.array(depth))[0])
+        d = impedance_at(self._numbers, depth)
         return d, (1.0 - d) / d * self.guess
 
     def sinking(self, load: float, landing: HardestLanding | None = None) -> float:
@@ -104,30 +106,28 @@ class SoftContact:
         worst = self._rest(load)
         if landing is None or not landing.speed > 0.0:
             return worst
-        (stiff, damp), A = self.law.stiffness_and_damping, landing.inverse_mass
-        depth, rate, pull = landing.depth, landing.speed, landing.inverse_mass * load
-        for _ in range(MOST_STEPS):
-            d, R = self._regularisation(depth)
-            # r'' = A L - A f with f from the law above: symplectic Euler, as MuJoCo steps, velocity first.
-            share = A / (A + self.normal_factor * R)
-            rate += self.step * (pull - share * (damp * rate + stiff * d * depth + pull))
-            if not rate > 0.0:
-                break
-            depth += self.step * rate
-        return max(worst, depth)
+        deepest = landing_depth(
+            self._numbers, self.step, landing.inverse_mass, load, landing.depth, landing.speed
+        )
+        return max(worst, deepest)
 
     def _rest(self, load: float) -> float:
-        """Return the depth at rest [m], the root of c (1 - d) Â L = k d² r, by bisection."""
-        stiff, low, high = self.law.stiffness_and_damping[0], 0.0, 1.0
-        if stiff == 0.0:
-            return 0.0
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            d, R = self._regularisation(middle)
-            low, high = (
-                (middle, high) if self.normal_factor * R * load > stiff * d * middle else (low, middle)
-            )
-        return high
+        """Return the depth at rest [m]."""
+        known = self._rests.get(load)
+        if known is None:
+            known = self._rests[load] = rest_depth(self._numbers, load)
+        return known
+
+    @cached_property
+    def _rests(self) -> dict[float, float]:
+        """Load [N] to the depth at rest under it [m], as far as it was asked for."""
+        return {}
+
+    @cached_property
+    def _numbers(self) -> FloatArray:
+        """(9,) for compiled code, see `landing`."""
+        stiff, damp = self.law.stiffness_and_damping
+        return np.array([stiff, damp, *self.law.bounded_solimp, self.guess, self.normal_factor])
 
     def stopping(self, load: float, slide: float) -> float:
         """Return the way [m] on which regularised friction stops a speed [m/s] inside its cone."""
@@ -141,6 +141,23 @@ class SoftContact:
         """Time in which the swing of a touchdown dies away [s]; zero without damping."""
         damping = self.law.stiffness_and_damping[1]
         return SWING * 2.0 / damping if damping > 0.0 else 0.0
+
+    @cached_property
+    def recoil(self) -> float:
+        """Speed at which a loaded contact comes out of the ground, over the depth that it was at most [1/s].
+
+        A loaded contact accelerates outwards by no more than k d r + b r', whatever presses on it: it is
+        fastest where it comes from rest under no load at all.
+        """
+        return max(recoil_rate(self._numbers, self.step, depth) for depth in DEPTHS)
+
+    @cached_property
+    def creep_slope(self) -> float:
+        """Speed of a sticking contact over its tangential force [m/s/N], at most: under hardly any load."""
+        if self.friction_damping <= 0.0:
+            return 0.0
+        deepest = max(self._regularisation(depth)[1] for depth in (0.0, *DEPTHS))
+        return self.friction_factor * deepest / self.friction_damping
 
     def creep(self, load: float) -> float:
         """Return the speed of a contact that sticks with all its friction under a load [N]: [m/s]."""
@@ -208,9 +225,40 @@ def declare_softness(
     }
 
 
+class DeclaredSoftness(NamedTuple):
+    """What contacts declare under a load [N] whatever lands: `sinking` at rest, and the rest of the facts.
+
+    `stopping` is for each m/s of a slide [s].
+    """
+
+    contacts: Sequence[SoftContact]
+    load: float
+    resting: float
+    creep: float
+    stopping: float
+    settling: float
+
+
+def declare_at_rest(contacts: Sequence[SoftContact], load: float) -> DeclaredSoftness:
+    """Return what contacts declare under a load [N]."""
+    parts = [(c.sinking(load), c.creep(load), c.stopping(load, 1.0), c.settling) for c in contacts]
+    return DeclaredSoftness(contacts, load, *(max(part) for part in zip((0.0,) * 4, *parts, strict=True)))
+
+
+def declare_response(contacts: Sequence[SoftContact], load: float) -> dict[str, float]:
+    """Return the facts `recoil`, and `creep_slope` for forces in shares of a load [N]; empty without any."""
+    if not contacts:
+        return {}
+    return {
+        "recoil": ROUNDED * max(c.recoil for c in contacts),
+        "creep_slope": ROUNDED * load * max(c.creep_slope for c in contacts),
+    }
+
+
 def hardest_landing(
-    mujoco: Any, model: Any, bodies: Sequence[tuple[int, int]], qpos: FloatArray, points: Mapping[str, Any]
-) -> HardestLanding | None:
+    mujoco: Any, model: Any, bodies: Sequence[tuple[int, int]], qpos: FloatArray, points: Mapping[str, Any],
+    data: Any = None,
+) -> HardestLanding | None:  # fmt: skip
     """Return the hardest touchdown of a log, None without any.
 
     Where contacts land one after the other on one body, those that landed feel the next: so the parts of a
@@ -226,6 +274,8 @@ def hardest_landing(
         (T, nq) in MuJoCo's order [m, -, rad].
     points
         (T, p) `gaps`, (T, p, 3) `contact_velocities`, `contact_positions` and `normals`.
+    data
+        To work in; None for one of its own.
     """
     gaps, velocities = np.asarray(points["gaps"]), np.asarray(points["contact_velocities"])
     if not gaps.size:
@@ -237,7 +287,9 @@ def hardest_landing(
     if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:  # a row's are means while it is stopped
         down[1:], aside[1:] = (np.fmax(part[1:], part[:-1]) for part in (down, aside))
     speed, across = (np.nan_to_num(np.where(first, part, 0.0)) for part in (down, aside))
-    data, masses, fastest = mujoco.MjData(model), list[float](), float(speed.max())
+    masses, fastest = list[float](), float(speed.max())
+    if data is None:
+        data = mujoco.MjData(model)
     for k, row in enumerate(speed.argmax(axis=0).tolist()):
         place, normal = points["contact_positions"][row, k], points["normals"][row, k]
         if speed[row, k] > 0.0 and np.isfinite([*qpos[row], *place, *normal]).all():

@@ -8,14 +8,17 @@ out when the log is first read.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from contextlib import ExitStack
 from types import TracebackType
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
 from surefoot.records import Ending, Log, find_doubts
+from surefoot.worlds.mujoco.environment_data import model_and_data
 from surefoot.worlds.mujoco.mujoco_world import import_mujoco
 from surefoot.worlds.mujoco.record_capture import Scheme
 from surefoot.worlds.mujoco.record_copy import NO_STEP
@@ -247,6 +250,23 @@ class Recording(Log):
         return out
 
 
+class ManyRecordings:
+    """Logs of several loops, complete after the ``with``; made by `record` of a vector environment."""
+
+    def __init__(self, recordings: Sequence[Recording]) -> None:
+        self._recordings, self._stack = tuple(recordings), ExitStack()
+
+    def __enter__(self) -> tuple[Recording, ...]:
+        for one in self._recordings:
+            self._stack.enter_context(one)
+        return self._recordings
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._stack.__exit__(kind, error, trace)
+
+
 def _jumps(start: FloatArray, end: FloatArray) -> list[int]:
     """Return the rows that start elsewhere than the row before ended, from (T, nq) positions; rare ones only.
 
@@ -256,7 +276,11 @@ def _jumps(start: FloatArray, end: FloatArray) -> list[int]:
     return (np.flatnonzero(far) + 1).tolist() if far.sum() <= RARE * far.size else []
 
 
-def record(model: Any, data: Any, robot: str | None = None) -> Recording:
+@overload
+def record(model: Any, data: Any, robot: str | None = None) -> Recording: ...
+@overload
+def record(model: Any, *, robot: str | None = None) -> Any: ...
+def record(model: Any, data: Any = None, robot: str | None = None) -> Any:
     """Return a log that fills itself from a MuJoCo loop.
 
     Every contact between the robot and anything else is a contact point of the log, by its geoms: forces on
@@ -268,14 +292,16 @@ def record(model: Any, data: Any, robot: str | None = None) -> Recording:
     Parameters
     ----------
     model, data
-        `mujoco.MjModel` and `mujoco.MjData` of the loop; nothing is changed in them.
+        `mujoco.MjModel` and `mujoco.MjData` of the loop; nothing is changed in them. Or one environment of
+        gymnasium in their place; of a `SyncVectorEnv` ``with record(envs) as logs:`` gives a log each.
     robot
         Name of the body at the robot's root; None for that with the most actuators, of several the heaviest.
 
     Raises
     ------
     ProblemError
-        For a body that is not there, a model in which nothing moves, or if no step was seen.
+        For workers that have made their environments (see `surefoot.rl.RecordWrapper`), a body that is not
+        there, a model in which nothing moves, or if no step was seen.
     MissingExtra
         If MuJoCo is not installed.
 
@@ -294,4 +320,19 @@ def record(model: Any, data: Any, robot: str | None = None) -> Recording:
     >>> log["forces"].shape, log.facts["feet"], round(float(share), 3)
     ((500, 1, 3), ['skin'], 1.0)
     """
-    return Recording(model, data, robot)
+    if data is not None:
+        return Recording(model, data, robot)
+    core, mujoco = getattr(model, "unwrapped", None), import_mujoco()
+    if core is None:
+        raise ProblemError(
+            f"record takes an MjModel and its MjData, or an environment, got {type(model).__name__} alone"
+        )
+    if not hasattr(core, "num_envs"):
+        return Recording(*model_and_data(mujoco, core, "record"), robot)
+    if not hasattr(core, "envs"):
+        raise ProblemError(
+            f"record cannot reach the environments of {type(core).__name__}: let them be wrapped where they "
+            "are made, gymnasium.make_vec(..., wrappers=[sf.rl.RecordWrapper])"
+        )
+    parts = [model_and_data(mujoco, env.unwrapped, "record") for env in core.envs]
+    return ManyRecordings([Recording(*part, robot) for part in parts])

@@ -12,10 +12,10 @@ from typing import Any, TypeAlias, TypedDict
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, finite_array
-from surefoot.base.errors import MissingExtra, ModelError, ProblemError
+from surefoot.base.errors import MissingExtra, ModelError, ProblemError, mujoco_line
 from surefoot.base.spatial import quaternion_from_rotation, quaternion_wxyz
 from surefoot.contact import MujocoLaw
-from surefoot.mechanics import DEPTH, EXTENT, Grid, GroundBox, Plane, Robot, Terrain, mujoco_line
+from surefoot.mechanics import DEPTH, EXTENT, Grid, GroundBox, Plane, Robot, Terrain
 from surefoot.worlds.interface.engine_world import joint_kind
 
 FRICTION_RATIO = 100.0

@@ -14,13 +14,16 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import FlatTerrain, Robot, Terrain, load_robot
 from surefoot.records import Log
 
 SHAPES = {2: "sphere", 3: "capsule", 4: "ellipsoid", 5: "cylinder", 6: "box"}
-"""MuJoCo's numbers of the shapes that a foot may have; meshes are not in a log."""
+"""MuJoCo's numbers of the plain shapes that a foot may have."""
+MESH = 7
+"""That of a mesh, whose hull's corners a recording keeps where it may touch."""
 NEEDED = (
     "model_bodies", "model_parents", "model_masses", "model_inertias", "model_centres", "model_inertia_axes",
     "model_positions", "model_orientations", "model_joint_bodies", "model_joint_axes", "model_joint_places",
@@ -86,6 +89,7 @@ def _write(log: Log, kinds: list[str]) -> tuple[ElementTree.Element, list[str]]:
     bodies, joints = [str(name) for name in part["model_bodies"]], [str(name) for name in log.fact("joints")]
     root = ElementTree.Element("mujoco", model=str(log.facts.get("robot", "")) or "recorded")
     ElementTree.SubElement(root, "compiler", angle="radian", autolimits="true")
+    assets = ElementTree.SubElement(root, "asset")
     world = ElementTree.SubElement(root, "worldbody")
     nodes: list[ElementTree.Element] = []
     for k, name in enumerate(bodies):
@@ -108,7 +112,7 @@ def _write(log: Log, kinds: list[str]) -> tuple[ElementTree.Element, list[str]]:
         ElementTree.SubElement(nodes[int(part["model_joint_bodies"][j])], "joint", joint)
         if np.isfinite(limits[j]) and limits[j] > 0.0:
             ElementTree.SubElement(actuators, "motor", joint=name, ctrlrange=_text((-limits[j], limits[j])))
-    feet = _add_feet(log, part, nodes)
+    feet = _add_feet(log, part, nodes, assets)
     _add_pose(root, log)
     return root, [bodies[k] for k in feet]
 
@@ -122,8 +126,17 @@ def _add_inertia(node: ElementTree.Element, part: dict[str, Any], k: int) -> Non
         )  # fmt: skip
 
 
-def _add_feet(log: Log, part: dict[str, Any], nodes: list[ElementTree.Element]) -> list[int]:
-    """Give links the shapes of the feet; return the links."""
+def recorded_hull(log: Log, geom: int) -> FloatArray:
+    """Return the corners (n, 3) of the hull of a shape [m]; none where the log keeps none."""
+    owners = np.asarray(log.facts.get("model_hull_geoms", np.zeros(0)))
+    corners = np.asarray(log.facts.get("model_hull_corners", np.zeros((0, 3))), dtype=np.float64)
+    return np.asarray(corners[owners == geom])
+
+
+def _add_feet(
+    log: Log, part: dict[str, Any], nodes: list[ElementTree.Element], assets: ElementTree.Element
+) -> list[int]:
+    """Give links the shapes of the feet, and the model their hulls; return the links."""
     names, owner = [str(name) for name in log.fact("feet")], np.asarray(log.fact("contact_foot"), dtype=int)
     own = {names[owner[p]] for p in np.flatnonzero(log.fact("contact_is_foot")).tolist()}
     feet: list[int] = []
@@ -131,12 +144,17 @@ def _add_feet(log: Log, part: dict[str, Any], nodes: list[ElementTree.Element]) 
         kind, link = int(part["model_geom_types"][g]), int(part["model_geom_bodies"][g])
         if name not in own:
             continue
-        if kind not in SHAPES:
-            raise ProblemError(f"its foot {name} is a mesh, which a log does not keep (give robot)")
+        corners = recorded_hull(log, g) if kind == MESH else np.zeros((0, 3))
+        if kind not in SHAPES and not len(corners):
+            raise ProblemError(f"its foot {name} is a shape that the log does not keep (give robot)")
+        shape = {"type": SHAPES[kind], "size": _text(part["model_geom_sizes"][g])} if kind in SHAPES else {}
+        if len(corners):
+            shape = {"type": "mesh", "mesh": f"hull {g}"}
+            ElementTree.SubElement(assets, "mesh", name=f"hull {g}", vertex=_text(corners.ravel()))
+        place = _text(part["model_geom_positions"][g]), _text(part["model_geom_orientations"][g])
         ElementTree.SubElement(
-            nodes[link], "geom", name=name, type=SHAPES[kind], size=_text(part["model_geom_sizes"][g]),
-            pos=_text(part["model_geom_positions"][g]), quat=_text(part["model_geom_orientations"][g]),
-        )  # fmt: skip
+            nodes[link], "geom", {"name": name, "pos": place[0], "quat": place[1], **shape}
+        )
         feet += [link] if link not in feet else []
     if not feet:
         raise ProblemError("no foot of its model touched anything (give robot)")

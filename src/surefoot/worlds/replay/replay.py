@@ -17,6 +17,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
+from surefoot.base.drawn import Drawn
 from surefoot.base.errors import ProblemError, SimulationError
 from surefoot.base.spatial import rotation_from_quaternion
 from surefoot.mechanics import Robot, Terrain
@@ -77,8 +78,8 @@ class WindowReplay:
     lost: str
 
 
-@dataclass(frozen=True)
-class ReplayReport:
+@dataclass(frozen=True, repr=False)
+class ReplayReport(Drawn):
     """Whether a log's success survives in another world.
 
     Attributes
@@ -102,6 +103,12 @@ class ReplayReport:
     windows: tuple[WindowReplay, ...]
     own_windows: tuple[WindowReplay, ...]
     logs: tuple[Log, ...] = field(repr=False, default=())
+
+    def __repr__(self) -> str:
+        return f"ReplayReport({self.world!r}, {self.verdict!r}, {len(self.windows)} windows)"
+
+    def __str__(self) -> str:
+        return self.sentence[0].upper() + self.sentence[1:300] + "."
 
     @property
     def survives(self) -> bool:

@@ -13,7 +13,7 @@ from surefoot.base.errors import ProblemError
 from surefoot.base.memory import Remembering
 from surefoot.base.spatial import GRAVITY, quaternion_from_rotation, rotation_exp, rotation_from_quaternion
 from surefoot.mechanics import Robot
-from surefoot.motion import FilterNoise, Reading
+from surefoot.motion import STIFF_FEET, FilterNoise, Reading
 from surefoot.worlds.running.sensor_kernels import sense
 
 
@@ -144,9 +144,10 @@ class SensorModel:
         return replace(self, imu=parts[0], encoders=parts[1], touch=parts[2], tilt=level * self.tilt)
 
     def filter_noise(self) -> FilterNoise:
-        """Return what a filter should believe about these sensors: never less than its defaults."""
-        usual, imu = FilterNoise(), self.imu
+        """Return what a filter should believe about these sensors, never less than its defaults, and feet."""
+        usual, imu = replace(FilterNoise(), **STIFF_FEET), self.imu
         own = FilterNoise(
+            **STIFF_FEET,
             gyro=5.0 * imu.gyro_noise,
             accelerometer=5.0 * imu.accelerometer_noise,
             gyro_drift=imu.gyro_drift,

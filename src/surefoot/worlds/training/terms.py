@@ -10,12 +10,15 @@ from itertools import permutations
 from typing import Any
 
 from surefoot.base.loaded import ACTS
+from surefoot.base.spatial import GRAVITY
 from surefoot.records import array_module, step_cost, vector_length
 
 LOADED = ACTS
 """Normal force from which a foot counts as loaded [m g], as for the audit."""
 NEAR = 0.02
-"""Gap below which a foot is about to touch [m]: a judgement."""
+"""Gap below which a foot is about to touch, and least height over the feet [m]: a judgement."""
+TOUCHES = 1e-3
+"""Gap at the end of a step below which a foot touches [m]: `laws.penetration` of the audit."""
 
 
 def slip_under_load(forces: Any, velocities: Any, weight: Any) -> Any:
@@ -147,6 +150,61 @@ def support_margin(positions: Any, forces: Any, com: Any, weight: Any) -> Any:
     xp = array_module(positions, forces, com)
     loaded = _shares(xp, forces, weight) > LOADED
     x, y = (positions[..., k] - com[..., None, k] for k in (0, 1))
+    return _hull_margin(xp, x, y, loaded)
+
+
+def step_certificate(
+    positions: Any, gaps: Any, velocities: Any, com: Any, acceleration: Any, mu: Any, dt: float
+) -> Any:
+    """Return how much more push the coming step's acceleration leaves room for, in shares of m g [-].
+
+    Negative: no lawful forces of the feet that touch by the end of the step give that acceleration to the
+    centre of mass on level ground while its angular momentum stays; by so much force is lacking. What binds
+    is the least of the normal force, the friction cone, and tipping over the feet's polygon. Prevents
+    commands that only soft or sticky ground obeys, a step before they are obeyed, by no force of a simulator.
+
+    Parameters
+    ----------
+    positions
+        (N, feet, 3) contact points, world axes [m].
+    gaps, velocities
+        (N, feet) [m] and (N, feet, 3) in contact axes [m/s]: feet touch whose gap closes within the step.
+    com, acceleration
+        (N, 3) centre of mass [m], above its feet, and what the step is to give it [m/s²], world axes.
+    mu
+        Friction: a number or (N,).
+    dt
+        Length of the step [s].
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> feet = np.array([[[-0.2, -0.2, 0.0], [0.2, -0.2, 0.0], [0.2, 0.2, 0.0], [-0.2, 0.2, 0.0]]])
+    >>> still, com = np.zeros((1, 4, 3)), np.array([[0.0, 0.0, 0.4]])
+    >>> for a in (0.0, 2.0, 7.0):
+    ...     push = np.array([[a, 0.0, 0.0]])
+    ...     print(step_certificate(feet, np.zeros((1, 4)), still, com, push, 0.6, 0.02).round(3).tolist())
+    [0.5]
+    [0.296]
+    [-0.214]
+    """
+    xp = array_module(positions, gaps, com, acceleration)
+    touching = gaps + dt * velocities[..., 2] < TOUCHES
+    x, y, z = (acceleration[..., k] / GRAVITY for k in range(3))
+    normal, tangential = z + 1.0, vector_length(xp, x, y)
+    # the feet as pushes that tip over them: (place - com) n / h, and what the acceleration takes of them
+    height = com[..., None, 2] - positions[..., 2]
+    scale = normal[..., None] / xp.where(height > NEAR, height, xp.zeros_like(height) + NEAR)
+    places = [(positions[..., k] - com[..., None, k]) * scale for k in (0, 1)]
+    tips = _hull_margin(xp, places[0] + x[..., None], places[1] + y[..., None], touching)
+    least = xp.where(normal < mu * normal - tangential, normal, mu * normal - tangential)
+    least = xp.where(tips < least, tips, least)
+    flight = xp.zeros_like(normal) - vector_length(xp, tangential, normal)
+    return xp.where(touching.any(-1), least, flight)
+
+
+def _hull_margin(xp: Any, x: Any, y: Any, loaded: Any) -> Any:
+    """Return how far inside the hull of loaded points (N, feet) the origin lies, see `support_margin`."""
     # the distance inside a convex hull is the least value of its support function; where that is least is
     # across an edge, or away from a corner
     found = [_support(xp, x, y, loaded, -x[..., k], -y[..., k], loaded[..., k]) for k in range(x.shape[-1])]

@@ -9,6 +9,7 @@ from statistics import median_low
 from typing import Any, Literal, TypeAlias
 
 from surefoot.base.arrays import real_number, whole_number
+from surefoot.base.drawn import Drawn
 from surefoot.base.errors import ProblemError
 from surefoot.mechanics import Robot
 from surefoot.worlds.transfer.model_trials import ModelTrials
@@ -61,9 +62,13 @@ class WorldTransfer:
     unsolved: int
 
 
-@dataclass(frozen=True)
-class TransferReport:
-    """Whether a success survives in other worlds; `str` is a table.
+_LONGEST = 190
+"""Characters that a `repr` has at most."""
+
+
+@dataclass(frozen=True, repr=False)
+class TransferReport(Drawn):
+    """Whether a success survives in other worlds; `table()` has the numbers.
 
     Attributes
     ----------
@@ -72,6 +77,17 @@ class TransferReport:
     """
 
     worlds: tuple[WorldTransfer, ...]
+
+    def __repr__(self) -> str:
+        return f"TransferReport({len(self.worlds)} worlds, lost={[*self.lost]})"[:_LONGEST]
+
+    def __str__(self) -> str:
+        first = self.worlds[0]
+        others = len(self.worlds) - 1
+        lost = ", ".join(self.lost[:4]) + (f" and {len(self.lost) - 4} more" if len(self.lost) > 4 else "")
+        said = f"lost in {len(self.lost)} of {others}: {lost}" if self.lost else f"lost in none of {others}"
+        runs = f"{first.successes} of {first.runs} runs succeed in {first.world}"
+        return f"{runs}; beyond chance that is {said}. The numbers: .table()."
 
     @property
     def lost(self) -> tuple[str, ...]:
@@ -99,9 +115,6 @@ class TransferReport:
                 f"| {after} | {row.contact} |"
             )
         return lines
-
-    def __str__(self) -> str:
-        return "\n".join(self.table())
 
 
 def transfer(
