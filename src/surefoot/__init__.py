@@ -22,9 +22,9 @@ Walk
     Gait, named_gait, RobotLoop, RobotReadings, Policy, Guard, MujocoStepper, exact_contact.
 Look
     picture, Log, read_log, record, log_from_arrays, contacts_from_mujoco, estimate_forces, ForceModel,
-    FrictionTracker, InvariantEkf, identify, read_tosses, read_sweep, run_sweep, read_sequence,
-    write_sequence, export_sequence, sequence_from_log, SurefootError, ProblemError, Motion, read_motion,
-    read_motions, repair_motion.
+    FrictionTracker, InvariantEkf, estimate_state, identify, read_tosses, read_sweep, run_sweep,
+    read_sequence, write_sequence, export_sequence, sequence_from_log, SurefootError, ProblemError,
+    Motion, read_motion, read_motions, repair_motion.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """Public names of Surefoot and where they live: the one list, for `surefoot` and for type checkers."""
 
 from . import laws as laws
+from .app.estimation.offline_estimate import estimate_state as estimate_state
 from .app.export import export_sequence as export_sequence
 from .app.export import read_sequence as read_sequence
 from .app.export import sequence_from_log as sequence_from_log

@@ -54,6 +54,21 @@ def test_several_motions_are_ranked_and_kept(
     assert [one["verdict"] for one in found] == ["impossible", "possible"]
 
 
+def test_motions_are_mended_into_a_folder(
+    folder: Path, tmp_path: Path, printed: Callable[..., str], answer: Callable[..., Any]
+) -> None:
+    given = (folder / "hangs.csv", *GIVEN, "--repair", tmp_path / "mended")
+    said = printed("certify", *given, code=1)
+    assert "hangs: 100.0 % of its frames were impossible, 0.0 % are" in said
+    (path,) = (tmp_path / "mended").iterdir()
+    motion = sf.read_motion(path, "g1")
+    assert (motion.rate, len(motion), motion.notes) == (30.0, 40, ())
+    assert sf.certify_motion(motion.robot, motion).verdict == "possible"
+    (facts,) = answer("certify", *given, code=1)
+    assert facts["mended"]["file"] == str(path)
+    assert facts["mended"]["verdict"] == "possible"
+
+
 def test_wrong_input_exits_2(folder: Path, tmp_path: Path, printed: Callable[..., str]) -> None:
     out = ("--jobs", "1", "--out", tmp_path / "kept")
     said = printed("certify", folder / "none.csv", folder / "still.csv", *GIVEN, *out, code=2)

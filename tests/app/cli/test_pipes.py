@@ -44,7 +44,7 @@ def test_a_full_disk_is_one_line(command: str) -> None:
 def test_narrow_screens_cut_no_names(columns: str) -> None:
     printed = shell(f"surefoot {POSSIBLE}", COLUMNS=columns).stdout
     cells = [line.split("│") for line in printed.splitlines() if line.startswith("│")]
-    names = "".join(cell[1].strip() for cell in cells if len(cell) == 8)
+    names = "".join(cell[1].strip() for cell in cells if len(cell) == 9)
     assert "lefthigh" in names.replace(" ", ""), printed
 
 

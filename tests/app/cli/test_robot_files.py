@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from tests.legged import write_legged
+from benchmarks.legged import write_legged
 
 NONE = ("--no-video", "--no-report")
 

@@ -83,7 +83,7 @@ def test_a_run_is_not_lost_for_want_of_a_picture(files: RunFiles, error: Excepti
 def test_a_film_is_shown_on_the_page_or_it_is_said_why_not(
     files: RunFiles, error: BaseException | None, words: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def film(log: Any, robot: Any, terrain: Any, path: Path, progress: Any) -> Path:
+    def film(log: Any, robot: Any, terrain: Any, path: Path, progress: Any, height: int) -> Path:
         path.write_bytes(b"film")
         if error is not None:
             raise error

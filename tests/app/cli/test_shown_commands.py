@@ -26,6 +26,7 @@ from benchmarks.problems.tosses import random_tosses, write_tosses
 from benchmarks.softening import race
 from surefoot.app.cli.extras import missing
 from surefoot.app.cli.main import main
+from surefoot.app.course.exercises import solution_text
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solvers import solver as solvers
 from surefoot.mechanics.robot.catalog import find, robots_folder
@@ -36,12 +37,16 @@ from tests.records.log.test_log_completion import write as write_table
 
 ROOT = Path(__file__).resolve().parents[3]
 CHECK = runpy.run_path(str(ROOT / "docs" / "check.py"), run_name="check")
-PAGES = [page for page in CHECK["PAGES"] if page.name not in ("CHANGELOG.md", "CONTRIBUTING.md")]
+PAGES = [
+    page
+    for page in CHECK["PAGES"]
+    if page.name not in ("CHANGELOG.md", "CONTRIBUTING.md") and page.parent.name != "zh"  # as in English
+]
 SHORT, SHORT_ON_TERRAIN = 3.0, 5.0
 QUICK_PAGES = (
     "README.md", "tour.md", "first-steps.md", "standing.md", "statics.md", "stance-files.md", "cones.md",
     "momentum.md", "jacobians.md", "contact-files.md", "contact-sequences.md", "translate.md", "audit.md",
-    "lab.md",
+    "lab.md", "regions.md", "why-it-fell.md", "replay.md",
 )  # fmt: skip
 """Pages whose commands take seconds: they run in `make test`, those of the others in `make test-all`."""
 LONG_COMMANDS = ("bench", "plan", "sweep", "walk", "warmup")
@@ -55,6 +60,11 @@ def as_run(words: tuple[str, ...]) -> tuple[str, ...]:
         return words if "--quick" in words else (*words, "--quick")
     if words[0] == "lab":
         return (*words, "--port", "0", "--seconds", "0.2") if len(words) > 1 else words
+    if words[0] == "course":  # `mine.py` is there already, to be checked
+        return tuple(
+            "new.py" if before == "--stub" else word
+            for before, word in zip(("", *words), words, strict=False)
+        )
     if words[0] == "robot":  # it waits for somebody who drives it: tests/motion/drive has both
         return (*words, "--seconds", "0.2")
     if words[0] == "worlds":  # all of them in all worlds are tests/worlds/experiments/test_experiments.py's
@@ -157,6 +167,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         np.savetxt(place / name, np.tile(sf.load_robot("g1").nominal, (40, 1)), delimiter=",")
     (place / "raw.csv").write_text("".join(f"{0.01 * k},36.8,36.8\n" for k in range(50)))
     steps = (ROOT / "docs" / "first-steps.md").read_text(encoding="utf-8")
+    (place / "mine.py").write_text(solution_text("52.2.1"), encoding="utf-8")
     (place / "mine.yaml").write_text(steps.split("```yaml\n")[1].split("```")[0])
     log = CleanRun(duration=0.3).make()
     log["forces"][100:200, 0] *= -1.0

@@ -112,3 +112,33 @@ def test_an_index_that_names_a_type_which_has_gone_is_that_of_older_code(tmp_pat
     assert files.load("types") is None
     files.save("types", 1)
     assert files._load_index().keys() == {"types"}
+
+
+EPISODES = """
+import numpy as np
+import surefoot as sf
+from surefoot.app.cli import warmup
+from surefoot.app.cli.main import main
+from surefoot.base.compilation import numba_internals as cache
+warmup.COMMANDS = ("episodes",)
+assert main(["warmup", "--json"]) == 0
+loaded = len(cache._caches)
+import mujoco
+from surefoot.worlds.mujoco.episode.episode_audit import EpisodeAudit
+model = mujoco.MjModel.from_xml_string(warmup.LOOP.format(integrator="Euler"))
+data = mujoco.MjData(model)
+audit = EpisodeAudit(mujoco, model, data)
+audit.begin()
+mujoco.mj_step(model, data, 300)
+assert audit.finish()[0].verdicts == ("lawful",)
+arrays = {"forces": np.full((300, 3, 4, 3), [0.0, 0.0, 9.0]), "gaps": np.zeros((300, 3, 4))}
+sf.audit_batch({**arrays, "velocities": np.zeros((300, 3, 4, 3))}, dt=0.01, mu=0.6, mass=4.0)
+assert len(cache._caches) == loaded, [c._name for c in cache._caches[loaded:]]
+"""
+
+
+def test_after_it_episodes_are_audited_without_a_kernel_more() -> None:
+    """In a process of its own: what the audit of a loop and of arrays runs, has been loaded."""
+    pytest.importorskip("mujoco")
+    done = subprocess.run([sys.executable, "-c", EPISODES], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[-2000:]

@@ -1,4 +1,4 @@
-"""Robots as shapes: meshes where Pinocchio puts them, coarsened within their cell, bones without them."""
+"""Robots as shapes: meshes where Pinocchio puts them, coarsened within a cell, bones without them."""
 
 from __future__ import annotations
 
@@ -6,10 +6,12 @@ from copy import copy
 
 import numpy as np
 import pinocchio
+import pytest
 from scipy.spatial import cKDTree
 
 import surefoot as sf
-from surefoot.app.lab.body import CELL, RobotBody, links_of
+from surefoot.app.lab import body
+from surefoot.app.lab.body import MOST_TRIANGLES, RobotBody, coarse, links_of
 from surefoot.app.lab.drawing import Ball, Lines, Mesh
 from surefoot.app.viz.meshes import triangles
 from surefoot.base.spatial import rotation_from_quaternion
@@ -30,7 +32,28 @@ def test_links_stand_where_the_geometry_model_puts_them(robot: sf.Robot) -> None
     cloud = cKDTree(np.vstack(drawn))
     for item, pose in zip(visual.geometryObjects, placed.oMg, strict=True):
         vertices = triangles(item)[0] @ pose.rotation.T + pose.translation
-        assert cloud.query(vertices)[0].max() < np.sqrt(3.0) * CELL
+        assert cloud.query(vertices)[0].max() < 1e-6  # Go2's are few enough to be drawn as they are
+
+
+def test_meshes_that_are_too_many_are_coarsened(monkeypatch: pytest.MonkeyPatch, robot: sf.Robot) -> None:
+    whole = sum(len(link.faces) for link in links_of(robot))
+    assert whole <= MOST_TRIANGLES
+    monkeypatch.setattr(body, "MOST_TRIANGLES", whole // 2)
+    links = links_of.__wrapped__(robot)
+    assert sum(len(link.faces) for link in links) <= whole // 2
+    assert len(links) == len(links_of(robot))
+
+
+def test_both_sides_of_a_thin_wall_stay() -> None:
+    """A plate of a millimetre between two sheets of four triangles each."""
+    corners = np.array([[x, y, 0.0] for x in (0.0, 0.1, 0.2) for y in (0.0, 0.1)])
+    top = np.array([[0, 2, 1], [1, 2, 3], [2, 4, 3], [3, 4, 5]])
+    vertices = np.vstack([corners + np.array([0.0, 0.0, 0.001]), corners])
+    faces = np.vstack([top, top[:, ::-1] + len(corners)])
+    fewer, kept = coarse(vertices, faces, 0.01)
+    assert len(kept) == len(faces)
+    assert sorted(set(fewer[:, 2])) == [0.0, 0.001]
+    assert len(coarse(vertices, top, 0.15)[1]) < len(top)
 
 
 def test_two_bodies_share_their_links_and_nothing_else(robot: sf.Robot) -> None:

@@ -73,5 +73,24 @@ def test_a_page_draws_the_robot_of_a_recording_and_no_ball() -> None:
     np.testing.assert_allclose(at[:, :2].mean(axis=0), 0.0, atol=0.3)  # the camera goes with it
 
 
+def test_a_mesh_is_drawn_as_its_hull() -> None:
+    tent = "-1 -1 0 1 -1 0 -1 1 0 1 1 0 0 0 1"
+    model = mujoco.MjModel.from_xml_string(f"""<mujoco><asset><mesh name='tent' vertex='{tent}'/></asset>
+<worldbody><geom type='plane' size='5 5 1'/><body name='camp' pos='0 0 2'><freejoint/>
+<geom type='mesh' mesh='tent' mass='1'/><body pos='0 0 1.5'><joint name='turret' axis='0 0 1'/>
+<geom size='.05' mass='.1'/></body></body></worldbody>
+<actuator><motor joint='turret'/></actuator></mujoco>""")
+    data = mujoco.MjData(model)
+    with sf.record(model, data) as log:
+        for _ in range(5):
+            mujoco.mj_step(model, data)
+    links = RecordedBody(log).shapes(np.asarray(log["q"][0]), np.zeros(2))
+    drawn = links["/robot/0-camp"]
+    assert isinstance(drawn, Mesh)
+    vertices = np.asarray(drawn.vertices)
+    assert len(vertices) == 5
+    np.testing.assert_allclose(np.ptp(vertices, axis=0), [2.0, 2.0, 1.0], atol=1e-6)
+
+
 def test_what_keeps_no_model_is_drawn_as_before() -> None:
     assert not can_draw(sf.Log({"time": np.arange(3.0), "forces": np.zeros((3, 1, 3))}))

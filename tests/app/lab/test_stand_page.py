@@ -150,7 +150,7 @@ def test_soles_stand_as_the_statics_say(sole: sf.Sole, x: float) -> None:
     middle = forces[:, 2] @ pressed[:, :2] / forces[:, 2].sum()  # the pressure of both is below the weight
     np.testing.assert_allclose(middle, state.com[:2], atol=1e-6)
     for k, contact in enumerate(stance):
-        wrench = verdict.forces[6 * k : 6 * k + 6]
+        wrench = verdict.stacked[6 * k : 6 * k + 6]
         assert contact.sole.contains(wrench)
         assert f"{100.0 * float(contact.sole.use(wrench).total):.0f} % of its sole" in shown.text
 

@@ -13,15 +13,21 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from surefoot.app.export.sequence import ContactSequence, SequencePhase
 from surefoot.app.viz.drawings import DRAWINGS, VIZ, drawing_of, png_of
-from surefoot.app.viz.style import blank_figure, friction_colour
+from surefoot.app.viz.style import GOOD, blank_figure, friction_colour
 from surefoot.base.drawn import Drawn
 from surefoot.base.errors import MissingExtra, ProblemError
 from surefoot.motion.planning.plan import PlanSearch, plan_from
 from surefoot.records.audit.report import AuditReport
+from surefoot.records.identification.force_model import FootForces
 from surefoot.records.identification.toss_errors import TossErrors
-from surefoot.records.identification.toss_fit import TossFit
+from surefoot.records.identification.toss_fit import Estimate, TossFit
+from surefoot.records.identification.walked_robot import RobotFit
+from surefoot.worlds.replay.replay import ReplayReport, WindowReplay
 from surefoot.worlds.sweep import SweepResult, sweep_from_dict
+from surefoot.worlds.transfer.transfer import TransferReport, WorldTransfer
+from tests.pickled_values import VALUES
 
 
 @pytest.fixture(autouse=True)
@@ -35,7 +41,9 @@ def no_figure_stays() -> Iterator[None]:
 def fit() -> TossFit:
     errors = TossErrors(*np.random.default_rng(0).uniform(size=(3, 20)))
     nothing: Any = None
-    return TossFit("rigid", {}, errors, None, np.zeros((0, 7)), None, nothing, None, 0.0, 0.0, 1.0, 1.0, ())
+    return TossFit(
+        "rigid", {}, errors, None, np.zeros((0, 7)), None, nothing, None, 0.0, 0.0, 0.0, 1.0, 1.0, ()
+    )
 
 
 def sweep(folder: Path) -> SweepResult:
@@ -43,6 +51,49 @@ def sweep(folder: Path) -> SweepResult:
     settings = {"body": "box", "size": 0.1, "height": 0.1}
     asked = {"experiment": "drop", "samples": 20, "seed": 3, "settings": settings, "ranges": ranges}
     return sf.run_sweep(sweep_from_dict(asked), folder, backend="serial")
+
+
+def intervals() -> dict[str, Estimate]:
+    return {"payload": Estimate(2.0, 1.5, 2.5, "kg"), "delay": Estimate(0.01, -0.01, 0.03, "s")}
+
+
+def outcomes(robot: sf.Robot, q: Any) -> dict[str, Any]:
+    """What became of runs, and what was fitted to them."""
+    still = sf.Motion(
+        robot, np.tile(q, (40, 1)) + 0.002 * np.sin(np.arange(40))[:, None] * (np.arange(19) == 2), 30.0
+    )
+    report = sf.certify_motion(robot, still)
+    time = np.arange(0.0, 4.0, 0.0025)
+    down = (time[:, None] / 0.5 + np.array([0.0, 0.5])) % 1.0 < 0.6
+    raw = sf.Log({"time": time, "foot_sensors": 80.0 * down + 20.0}, {"feet": ["left", "right"]})
+    window = {"outcome": "done", "way": 1.0, "logged_way": 1.0, "tilt": 0.02, "broken": ()}
+    windows = (
+        WindowReplay(0.0, 1.0, drift=0.01, lost="", **window),
+        WindowReplay(1.0, 2.0, drift=0.2, lost="it fell", **window),
+    )
+    rows = [
+        WorldTransfer("mujoco", 8, 8, (0.7, 1.0), (0.0, 0.0), "reference", np.nan, "", 0),
+        WorldTransfer("mujoco-exact", 1, 8, (0.0, 0.4), (-0.9, -0.4), "lost", 0.2, "floor", 0),
+    ]
+    feet = [sf.PointContact((x, 0.0, 0.0), name=n) for n, x in (("L", 0.1), ("R", -0.1))]
+    phases = [SequencePhase(0.3, sf.Stance(feet)), SequencePhase(0.2, sf.Stance(feet[:1]))]
+    forces = np.random.default_rng(1).normal(10.0, 1.0, (50, 3))
+    parts = (forces, forces - 2.0, forces + 2.0, forces[:, 2], forces[:, 2] > 9.5, np.array([0.3]))
+    return {
+        "Motion": still,
+        "Repair": sf.repair_motion(report),
+        "ContactTimes": sf.contact_times(raw),
+        "ForceEstimate": sf.estimate_forces(robot, q, np.zeros(18), np.zeros(18), np.zeros(12)),
+        "ForceModel": VALUES["ForceModel"](),
+        "FootForces": FootForces(np.arange(50) * 0.01, *parts, np.full(50, 0.2)),
+        "RobotFit": RobotFit(intervals(), ("a note",)),
+        "ReplayReport": ReplayReport("mujoco", "rigid", "lost", "it fell", windows, ()),
+        "TransferReport": TransferReport(tuple(rows)),
+        "ContactSequence": ContactSequence(phases, ("L", "R"), robot="biped"),
+        "Verdicts": sf.can_stand_batch(
+            [robot.stance(q, mu=mu) for mu in (0.2, 0.6)], [[0.0, 0.0, 0.3], [2.0, 0.0, 0.3]], 15.0
+        ),
+    }
 
 
 @pytest.fixture(scope="module")
@@ -74,6 +125,7 @@ def answers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         "BatchReport": sf.audit_batch({"forces": np.ones((60, 3, 4, 3))}, 0.01, 0.6, mass=9.0),
         "MotionReport": sf.certify_motion(robot, sf.Motion(robot, np.tile(q, (30, 1)), 30.0, "still")),
         "TossFit": fit(),
+        **outcomes(robot, q),
         "SweepResult": sweep(tmp_path_factory.mktemp("sweep")),
     }
 
@@ -133,6 +185,27 @@ def test_sentences_say_what_a_person_wants() -> None:
     assert "-7.61 % at most" in str(sf.FrictionCone(0.6).polyhedral(8, "inner"))
     assert str(sf.Sole(0.22, 0.09, 0.6)) == "A sole of 22 x 9 cm with 4 corners, mu 0.6."
     assert str(sf.Stance([sf.SoleContact([0, 0, 0], sf.Sole(0.2, 0.1))])) == "Stance of 1 sole, mu 0.6."
+
+
+def test_forces_are_a_row_a_contact_and_in_world_axes_beside() -> None:
+    """A sole's wrench, a wall's force: one vocabulary, whatever the contacts are."""
+    sole = sf.SoleContact([0.1, 0.0, 0.0], sf.Sole(0.2, 0.1), name="sole")
+    wall = sf.PointContact([0.6, 0.1, 0.9], mu=0.5, normal=[-1.0, 0.0, 0.0], name="hand")
+    stance = sf.Stance([sole, wall])
+    verdict = sf.can_stand(stance, [0.12, 0.01, 0.7], 20.0)
+    assert verdict
+    assert verdict.forces.shape == verdict.world_forces.shape == (2, 3)
+    assert verdict.stacked.shape == (9,)
+    np.testing.assert_array_equal(verdict.forces[1], verdict.by_contact()[1])
+    np.testing.assert_allclose(verdict.world_forces.sum(axis=0), [0.0, 0.0, 20.0 * 9.81], atol=1e-6)
+    np.testing.assert_allclose(verdict.world_forces[1, 0], -verdict.forces[1, 2], atol=1e-12)
+    with pytest.raises(ProblemError, match="unknown axes 'base'; valid names: contact, world"):
+        stance.force_rows(verdict.stacked, "base")  # type: ignore[arg-type]
+    assert len(repr(stance.halfspaces(8))) < 100
+    assert stance.plot(forces=verdict.stacked).collections
+    assert stance.plot(forces=verdict.forces).collections
+    with pytest.raises(ProblemError, match="forces must have shape"):
+        stance.plot(forces=[1.0, 2.0])
 
 
 def test_the_solver_of_the_loop_is_told_the_friction() -> None:
@@ -207,7 +280,7 @@ def test_a_figure_is_pyplots_where_that_is_loaded() -> None:
 
 
 def test_colours_tell_how_near_the_border_a_force_is() -> None:
-    assert friction_colour(0.0) == "#2e933c"
+    assert friction_colour(0.0) == GOOD
     assert friction_colour(0.99) != friction_colour(0.5)
     assert friction_colour(1.0) == "#b3001b"
 

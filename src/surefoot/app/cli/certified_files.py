@@ -7,9 +7,12 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from surefoot.base.errors import ProblemError, SurefootError, one_line, writing
+
+if TYPE_CHECKING:
+    from surefoot.records.certificates.motion_report import MotionReport
 
 
 @dataclass(frozen=True)
@@ -25,6 +28,7 @@ class Question:
     window: float | None
     terrain: str | None
     picture: str | None = None
+    repair: str | None = None
 
 
 @dataclass(frozen=True)
@@ -49,9 +53,10 @@ def certify_files(
     With a folder every motion leaves a .json and a .csv there, named by its file, its key and what was asked;
     those that are there are read and not certified anew.
     """
-    if folder is not None:
-        with writing(folder):
-            folder.mkdir(parents=True, exist_ok=True)
+    for place in (folder, None if question.repair is None else Path(question.repair)):
+        if place is not None:
+            with writing(place):
+                place.mkdir(parents=True, exist_ok=True)
     from surefoot.base.cores import cores
 
     workers = min(len(files), jobs if jobs is not None else cores())
@@ -112,6 +117,8 @@ def _certify(path: Path, question: Question, kept: Path | None) -> list[dict[str
     for motion in read_motions(path, robot, question.fps, question.order, question.quaternion):
         report = certify_motion(robot, motion, question.mu, question.sliding_mu, ground, question.window)
         found.append(report.plain())
+        if question.repair is not None:
+            found[-1]["mended"] = _mend(report, path, len(found), question)
         if kept is not None:
             number = "" if len(found) == 1 else f"-{len(found)}"
             rows = kept.with_name(f"{kept.name}{number}.csv")
@@ -125,3 +132,23 @@ def _certify(path: Path, question: Question, kept: Path | None) -> list[dict[str
         with writing(kept):
             kept.with_suffix(".json").write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
     return found
+
+
+def _mend(report: MotionReport, path: Path, number: int, question: Question) -> dict[str, Any]:
+    """Write the mended motion into the folder of repairs and return what became of it."""
+    from surefoot.records.repairs.repair_motion import repair_motion
+
+    mended = repair_motion(report)
+    place = _place(path, question, Path(str(question.repair)))
+    place = place.with_name(f"{place.name}{'' if number == 1 else f'-{number}'}.npz")
+    place.unlink(missing_ok=True)  # the same motion, mended under the same rules
+    return {
+        "file": str(mended.motion.to_npz(place)),
+        "verdict": mended.report.verdict,
+        "impossible_share": mended.report.impossible_share,
+        "mended": mended.mended,
+        "joint_change": mended.joint_change,
+        "base_change": mended.base_change,
+        "duration": mended.motion.duration,
+        "sentence": str(mended),
+    }

@@ -48,6 +48,12 @@ def certify(
         Path | None,
         typer.Option(help="Folder of a JSON and a CSV of each motion; what is there is not done anew."),
     ] = None,
+    repair: Annotated[
+        Path | None,
+        typer.Option(
+            help="Folder of the motions mended, an .npz each: the nearest ones that forces exist for."
+        ),
+    ] = None,
     picture: Annotated[
         Path | None, typer.Option(help="New file of the picture or page (.html) of a single motion.")
     ] = None,
@@ -56,8 +62,8 @@ def certify(
 ) -> int:
     """Tell whether the ground and the motors could give the forces of motions, which frames not, and why.
 
-    Exit code 0 if all are possible, 1 if one is not or cannot be told, 2 for wrong input; the other files are
-    certified all the same.
+    Exit code 0 if all are possible as they are, 1 if one is not or cannot be told, 2 for wrong input; the
+    other files are certified all the same.
     """
     from surefoot.app.cli.certified_files import Question, certify_files
 
@@ -67,17 +73,26 @@ def certify(
     low, high = numbers("--sliding-mu", sliding_mu, "LEAST,LARGEST", "0.3,0.8")
     names = order.split(",") if order is not None and "," in order else order
     drawn = None if picture is None else str(picture)
-    question = Question(robot, fps, names, quaternion, mu, (low, high), window, terrain, drawn)
+    mends = None if repair is None else str(repair)
+    question = Question(robot, fps, names, quaternion, mu, (low, high), window, terrain, drawn, mends)
     with progress_bar(not as_json, "certify", float(len(files))) as show:
         found = certify_files(files, question, out, jobs, show)
     if as_json:
         print(to_json([one.facts if one.error is None else _describe_failure(one) for one in found]))
     else:
         _print(plain_console(), found)
+        for one in found:
+            _print_mended(plain_console(), one.facts.get("mended"))
     wrong = [one.error for one in found if one.error is not None]
     if wrong:
         raise ProblemError("; ".join(wrong))
     return 0 if all(one.facts["verdict"] == "possible" for one in found) else 1
+
+
+def _print_mended(console: Console, mended: dict[str, Any] | None) -> None:
+    """Print what became of a motion, and where it is."""
+    if mended is not None:
+        say(console, f"mended: {mended['sentence']} {mended['file']}")
 
 
 def _describe_failure(one: Outcome) -> dict[str, str | None]:

@@ -39,7 +39,7 @@ def check(
         from surefoot.app.viz.stance_plots import draw_check
 
         verdict = motor if ground.feasible and motor is not None else ground
-        return draw_check(case.question, verdict, facts["verdict"], folder / "stance.png")
+        return draw_check(case.question, verdict, facts["verdict"], folder / "stance.png", case.robot, case.q)
 
     if as_json and len(case.question.stance):
         facts["com_region"] = _region(case.question)
@@ -131,6 +131,7 @@ def _contact_rows(stance: Any, verdict: Any) -> list[dict[str, Any]]:
             "tilt_deg": math.degrees(math.acos(max(-1.0, min(1.0, float(contact.normal[2]))))),
             "mu": contact.mu,
             "force": force,
+            "world_force": None if force is None else contact.rotation_world_contact @ force[:3],
             "friction_used": None if force is None else _share(force, contact.mu),
         }
         for contact, force in zip(stance, forces, strict=True)
@@ -154,12 +155,13 @@ def _print(console: Console, facts: dict[str, Any]) -> None:
     rows = []
     for row in facts["contacts"]:
         force = "-" if row["force"] is None else _numbers(row["force"][:3], 2)
+        world = "-" if row["world_force"] is None else _numbers(row["world_force"], 2)
         used = "-" if row["friction_used"] is None else f"{100 * row['friction_used']:.0f} %"
         place = _numbers(row["position"], 3)
-        rows.append((row["name"], place, f"{row['tilt_deg']:.1f}", f"{row['mu']:g}", force, used))
-    whole = ("position [m]", "force x, y, z [N]")
-    header = ("contact", whole[0], "tilt [deg]", "mu", whole[1], "friction used")
-    console.print(table(header, rows, left=6, whole=whole))
+        rows.append((row["name"], place, f"{row['tilt_deg']:.1f}", f"{row['mu']:g}", force, world, used))
+    whole = ("position [m]", "force t, t, n [N]", "world x, y, z [N]")
+    header = ("contact", whole[0], "tilt [deg]", "mu", whole[1], whole[2], "friction used")
+    console.print(table(header, rows, left=7, whole=whole))
     if facts["largest_push"]:
         pushes = facts["largest_push"].items()
         sizes = [(name, "any" if math.isinf(size) else f"{size:.1f}") for name, size in pushes]

@@ -13,7 +13,6 @@ from surefoot.app.cli import options, parsing
 from surefoot.app.cli.console import say, show, table
 from surefoot.app.cli.extras import draw_into
 
-PICTURE_FACETS = (3, 4, 8, 16)
 MOST_ROWS = 32
 """Rows of a table; with more facets the rest is left to --json."""
 
@@ -34,10 +33,9 @@ def cone(
     pyramid = FrictionCone(mu).polyhedral(facets, checked_fit(fit))
 
     def draw(folder: Path) -> Path:
-        from surefoot.app.viz.cone_plots import draw_pyramids
+        from surefoot.app.viz.cone_plots import draw_pyramid
 
-        chosen = sorted({*PICTURE_FACETS, facets} if facets <= 64 else set(PICTURE_FACETS))
-        return draw_pyramids(mu, chosen, folder / "pyramids.png")
+        return draw_pyramid(pyramid, folder / "pyramid.png")
 
     path, note = draw_into(picture and mu > 0.0, out, "cone", draw)
     facts: dict[str, Any] = {
@@ -55,6 +53,13 @@ def cone(
 
 
 def _print(console: Console, facts: dict[str, Any]) -> None:
+    if facts["mu"] == 0.0:
+        console.print(
+            "Without friction the cone is one ray, the normal, and so is every pyramid: no facets, no error. "
+            "Its rows are f_x = f_y = 0 and f_z >= 0."
+        )
+        say(console, facts["note"])
+        return
     console.print(
         f"Friction cone of mu = {facts['mu']:g} as an {facts['fit']} pyramid with {facts['facets']} sides."
     )
@@ -69,13 +74,10 @@ def _print(console: Console, facts: dict[str, Any]) -> None:
         console.print(listed)
     error = facts["fit_error"]
     verb = "gives up" if facts["fit"] == "inner" else "promises too much, by"
-    if facts["mu"] == 0.0:
-        console.print("Without friction cone and pyramid are the same: the ray along the normal.")
-    else:
-        console.print(
-            f"Against the exact cone it {verb} {100 * error['radial']:.3f} % of the friction in its worst "
-            f"direction and {100 * error['area']:.3f} % of the section's area."
-        )
+    console.print(
+        f"Against the exact cone it {verb} {100 * error['radial']:.3f} % of the friction in its worst "
+        f"direction and {100 * error['area']:.3f} % of the section's area."
+    )
     if facts["picture"]:
         console.print(f"Picture: {facts['picture']}", soft_wrap=True)
     say(console, facts["note"])

@@ -25,7 +25,7 @@ if TYPE_CHECKING:  # the other commands need no compiled code
     from surefoot.records.identification.toss_fit import TossFit
     from surefoot.records.identification.tosses import Tosses
 
-EXPECTED = 80.0
+EXPECTED = 1600.0
 """Simulations of all tosses that a fit takes, give or take: for the progress bar."""
 NAMED = "auto"
 
@@ -56,6 +56,7 @@ def identify(
             help="Simulators tuned by the same search: mujoco, drake, none; auto: mujoco, with --test."
         ),
     ] = NAMED,
+    folds: Annotated[int, typer.Option(help="Parts of a cross-validation of all tosses; 0 for none.")] = 0,
     resamples: Annotated[int, typer.Option(help="Bootstrap samples behind the 95 % intervals.")] = 1000,
     seed: Annotated[int, typer.Option(help="Of the resampling and of the points tried.")] = 0,
     out: options.PictureOut = Path("runs"),
@@ -66,6 +67,7 @@ def identify(
     from surefoot.app.cli.identify_robot import identify_robot, is_log
 
     given = {"--law": law, "--rivals": rivals != NAMED, "--resamples": resamples != 1000, "--seed": seed}
+    given["--folds"] = folds != 0
     if tosses.suffix == ".csv":
         from surefoot.app.cli.identify_forces import identify_forces
 
@@ -73,24 +75,43 @@ def identify(
     if is_log(tosses):
         return identify_robot(tosses, model, out, as_json, {**given, "--test": test is not None})
     from surefoot.records.identification.toss_model import ThrownModel
-    from surefoot.records.identification.tosses import read_tosses
 
+    check_out(out if picture else None)
     whole_number("--seed", seed)
     whole_number("--resamples", resamples, low=20)
-    check_out(out if picture else None)
-    recorded = read_tosses(tosses)
-    others = None if test is None else read_tosses(test)
-    if others is not None and others.cube != recorded.cube:
-        raise ProblemError(f"{test} holds tosses of another cube than {tosses}")
+    recorded, others = _read_both(tosses, test, folds)
     laws = list(dict.fromkeys(law or ["rigid"]))
-    models = [*map(ThrownModel, laws), *_rivals(rivals, test is not None)]
-    settings = {"model": model, "test": others, "resamples": resamples, "seed": seed}
-    fits = _fits(recorded, models, settings, not as_json)
+    models = [*map(ThrownModel, laws), *_rivals(rivals, test is not None or folds > 0)]
+    settings: dict[str, Any] = {"model": model, "resamples": resamples, "seed": seed}
+    if folds:
+        return _cross_validate(recorded, models, folds, settings, as_json)
+    fits = _fits(recorded, models, settings | {"test": others}, not as_json)
     facts = _facts(fits, laws, recorded, others)
     facts["picture"], note = draw_into(picture, out, "identify", partial(_draw, recorded, others, fits))
     facts["notes"] += [note] if note else []
     show(facts, as_json, _print)
     return 0
+
+
+def _cross_validate(
+    recorded: Tosses, models: list[Any], folds: int, settings: dict[str, Any], as_json: bool
+) -> int:
+    from surefoot.app.cli.identify_folds import identify_folds
+
+    return identify_folds(recorded, models, folds, settings, EXPECTED, as_json)
+
+
+def _read_both(tosses: Path, test: Path | None, folds: int) -> tuple[Tosses, Tosses | None]:
+    """Return the tosses to fit and the others, of the same cube."""
+    from surefoot.records.identification.tosses import read_tosses
+
+    if folds and test is not None:
+        raise ProblemError("--folds judges every toss: --test is for a fit to all of them")
+    recorded = read_tosses(tosses)
+    others = None if test is None else read_tosses(test)
+    if others is not None and others.cube != recorded.cube:
+        raise ProblemError(f"{test} holds tosses of another cube than {tosses}")
+    return recorded, others
 
 
 def _draw(recorded: Tosses, others: Tosses | None, fits: dict[str, TossFit], folder: Path) -> Path:

@@ -45,6 +45,7 @@ def identify_robot(path: Path, model: Path | None, out: Path, as_json: bool, giv
     written = _write_sweep(new_run_folder(out, "identify") / "sweep.yaml", path, name, found)
     facts = {
         "robot": name, "fit": {n: vars(e) for n, e in found.parameters.items()}, "notes": found.notes,
+        "feet": [foot._asdict() for foot in found.feet], "under": [str(foot) for foot in found.feet],
         "sweep": str(written),
     }  # fmt: skip
     show(facts, as_json, _print)
@@ -69,4 +70,4 @@ def _write_sweep(file: Path, log: Path, robot: str, found: RobotFit) -> Path:
 
 def _print(console: Console, facts: dict[str, Any]) -> None:
     console.print(fit_table(facts["fit"], f"what the walk of {facts['robot']} tells", left=1))
-    say(console, *facts["notes"], f"ranges for surefoot sweep: {facts['sweep']}")
+    say(console, *facts["under"], *facts["notes"], f"ranges for surefoot sweep: {facts['sweep']}")

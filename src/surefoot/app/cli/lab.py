@@ -110,9 +110,11 @@ def _serve(
 def _stand(subject: str | None, feet: str | None) -> Callable[[], Page]:
     """Drag the centre of mass and the feet, tilt the ground: cones, forces, region and verdict follow."""
     from surefoot.app.lab.stand import StandPage, start_state
+    from surefoot.app.lab.standing_pose import StandingPose
 
-    state = start_state(load(subject, feet, feet_needed=True))
-    return lambda: StandPage(state)
+    robot = load(subject, feet, feet_needed=True)
+    state = start_state(robot)
+    return lambda: StandPage(state, StandingPose(robot).shapes)
 
 
 def _cone() -> Callable[[], Page]:

@@ -35,14 +35,14 @@ def lint_of(robot: str | None, feet: str | None = None) -> Any:
         For an unknown name, no file, or feet that are none of its frames.
     """
     from surefoot.base.errors import ModelError
-    from surefoot.mechanics.robot.foot_reading import FootGuess
+    from surefoot.mechanics.robot.foot_reading import FootUnread
     from surefoot.mechanics.robot.lint.lint import lint_file
 
     try:
         return robots.load(robot, feet).lint()
     except ModelError as error:
         path = Path(robot or "")
-        known = feet is None or isinstance(error, FootGuess) or not _loads(robot)
+        known = feet is None or isinstance(error, FootUnread) or not _loads(robot)
         if not robots.is_file(robot) or not path.is_file() or not known:
             raise
         return lint_file(path, str(error))

@@ -9,6 +9,8 @@ from typing import Any, NoReturn, TextIO, cast
 from surefoot import __version__
 
 EXIT_BAD_INPUT = 2
+SHORT = ("check", "cone", "region", "solve")
+"""Commands that ask one short question of kernels: these run as Python where nothing is compiled yet."""
 PIPE_WIDTH = "120"
 """Columns of a table that goes to a file or a pipe, where there is no terminal to fit."""
 
@@ -16,7 +18,8 @@ PIPE_WIDTH = "120"
 def run(arguments: list[str] | None = None) -> None:
     """Run the command line and exit; bad input is one line on stderr and exit code 2."""
     sys.stdout, sys.stderr = heard(sys.stdout), heard(sys.stderr)
-    if (sys.argv[1:] if arguments is None else arguments) == ["--version"]:  # asked by scripts, often
+    words = sys.argv[1:] if arguments is None else arguments
+    if words == ["--version"]:  # asked by scripts, often
         _end(0, f"surefoot {__version__}\n")
     said = os.environ.get("COLUMNS", "1" if sys.stdout.isatty() else "")
     if not said.isdecimal() or int(said) == 0:  # neither the terminal nor its user says a width
@@ -24,6 +27,10 @@ def run(arguments: list[str] | None = None) -> None:
     from surefoot.app.cli.compiling import announce_compilation
 
     announce_compilation()
+    if words and words[0] in SHORT:
+        from surefoot.base.compilation.cold_start import cold_start
+
+        cold_start.allow()
     _end(main(arguments))
 
 

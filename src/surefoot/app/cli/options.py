@@ -92,6 +92,7 @@ class Leaving:
 
     out: Annotated[Path, typer.Option(help="Parent of the run's new folder.")] = Path("runs")
     video: Annotated[bool, typer.Option("--video/--no-video", help="Film the run.")] = True
+    hd: Annotated[bool, typer.Option("--hd", help="Film it in 1080 lines instead of 720.")] = False
     report: Annotated[bool, typer.Option("--report/--no-report", help="Draw plots and a report.")] = True
     as_json: Annotated[bool, typer.Option("--json", help="Print summary.json and nothing else.")] = False
 

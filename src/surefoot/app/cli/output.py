@@ -13,7 +13,7 @@ from surefoot.base.errors import ProblemError
 from surefoot.base.text_files import plain_value
 
 _made: list[Path] = []
-"""Folders of the run."""
+"""Folders of the run, those above them that were not there among them."""
 
 
 def drop_empty_folders() -> None:
@@ -34,6 +34,7 @@ def new_run_folder(parent: Path, name: str) -> Path:
     stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
     for attempt in range(1000):
         folder = parent / (f"{name}-{stamp}" + (f"-{attempt}" if attempt else ""))
+        above = [path for path in reversed(folder.absolute().parents) if not path.exists()]
         try:
             folder.mkdir(parents=True)
         except FileExistsError as error:
@@ -44,7 +45,7 @@ def new_run_folder(parent: Path, name: str) -> Path:
             raise ProblemError(f"cannot write to --out {parent}: {error.strerror}") from error
         if not os.access(folder, os.W_OK):
             raise ProblemError(f"cannot write to --out {parent}: not writable")
-        _made.append(folder)
+        _made.extend([*above, folder])
         return folder
     raise ProblemError(f"cannot find a free folder name under {parent}")
 

@@ -61,7 +61,7 @@ def plan(
         list[str],
         typer.Argument(
             help="ROBOT as for walk (default go2); ball, hopper, push, jump, jump-up, backflip or stand-up "
-            "(docs/planning.md); its number: a distance or height [m], a speed [m/s].",
+            "(docs/plan-tasks.md); its number: a distance or height [m], a speed [m/s].",
             metavar="[ROBOT] TASK [AMOUNT]",
         ),
     ],
@@ -209,7 +209,7 @@ def _write(made: Plan, executed: Any, folder: Path, leaving: options.Leaving, co
     files.write_summary(facts)
     if leaving.video and made.robot is not None and made.terrain is not None:
         with progress_bar(not leaving.as_json, "filming", 1.0) as tell:
-            files.film(made.robot, made.terrain, tell)
+            files.film(made.robot, made.terrain, tell, leaving.hd)
     if leaving.as_json:
         print(to_json(facts))
     good, done = made.status is Status.SOLVED, facts["executed"]

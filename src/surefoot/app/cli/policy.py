@@ -18,6 +18,8 @@ from surefoot.base.errors import ProblemError, check_name
 if TYPE_CHECKING:
     from surefoot.app.cli.walk_options import Wiring
 
+ASSUMED = "go2"
+"""Robot that a policy is described for where neither an option nor the file's name says one."""
 ACTIONS = ("describe",)
 Spec = Annotated[
     Path | None,
@@ -75,11 +77,13 @@ def policy(
     from surefoot.motion.policy.spec import missing
 
     check_name("action", action, ACTIONS)
-    known = load_robot(robot or robot_of(network) or "go2")
+    named = robot or robot_of(network)
+    known = load_robot(named or ASSUMED)
     described = describe(open_network(network, trust), policy_spec or beside(network), known)
     absent = missing(described.table)
     facts: dict[str, Any] = {
-        "network": str(network), "robot": known.name, "understood": described.table,
+        "network": str(network), "robot": known.name, "robot_from": _origin(robot, named),
+        "understood": described.table,
         "sources": described.sources, "missing": absent,
     }  # fmt: skip
     if not absent:
@@ -87,6 +91,11 @@ def policy(
         facts |= {"observation": used.sizes, "notes": list(used.facts["notes"]), "step_us": _step_time(used)}
     show(facts, as_json, _print)
     return 1 if absent else 0
+
+
+def _origin(option: str | None, named: str | None) -> str:
+    """Return where the robot's name comes from."""
+    return "--robot" if option else "the file's name" if named else "assumed"
 
 
 def _step_time(policy: Any) -> float:
@@ -110,6 +119,8 @@ def _print(console: Console, facts: dict[str, Any]) -> None:
         say(console, f"observation of {sum(n for _, n in facts['observation'])} numbers: {terms}")
         say(console, *facts["notes"])
         say(console, f"observation and inference: {facts['step_us']:.0f} us of CPU in the median")
+    if facts["robot_from"] == "assumed":
+        say(console, f"robot: {facts['robot']}, assumed, since the file's name says none; or --robot NAME")
     say(console, f"missing: {', '.join(facts['missing'])}" if facts["missing"] else "nothing is missing")
 
 

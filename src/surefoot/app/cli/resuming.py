@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 MADE_BY = ("surefoot", "mujoco", "pin", "numba", "numpy")
 """Packages in whose versions a walk goes on to the last bit."""
-LEAVING = ("out", "video", "report", "as_json", "view", "keep_states", "resume", "at")
+LEAVING = ("out", "video", "hd", "report", "as_json", "view", "keep_states", "resume", "at")
 """Options that say nothing of what happens to the robot."""
 CHANGES = ("duration", "push", "velocity")
 """Options that a walk which goes on may be given anew."""

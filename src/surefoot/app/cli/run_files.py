@@ -91,14 +91,16 @@ class RunFiles:
             if path.is_file():
                 path.unlink()
 
-    def film(self, robot: Robot, terrain: Terrain, progress: Callable[[float], None] | None) -> None:
-        """Film the run, or note why not: no package, no OpenGL, no patience."""
+    def film(
+        self, robot: Robot, terrain: Terrain, progress: Callable[[float], None] | None, hd: bool = False
+    ) -> None:
+        """Film the run, in 720 or 1080 lines, or note why not: no package, no OpenGL, no patience."""
         from surefoot.app.viz.film import write_video
 
         path = self.folder / "film.mp4"
         try:
             with self._drawing(path):
-                self._film = write_video(self.log, robot, terrain, path, progress=progress)
+                self._film = write_video(self.log, robot, terrain, path, progress, 1080 if hd else 720)
         except KeyboardInterrupt:
             self._notes.append("no video: interrupted")
 

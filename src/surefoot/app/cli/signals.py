@@ -18,6 +18,8 @@ INTERRUPTED = 130
 AGAIN = 0.02
 """Time after which a signal is sent anew that was swallowed [s]."""
 NAMES = ("SIGTERM", "SIGHUP")
+SWALLOWED = "hear_swallowed"
+"""Name of the function that hears of swallowed exceptions."""
 
 
 class Termination(KeyboardInterrupt):
@@ -30,6 +32,24 @@ class EndSignal:
     number: int | None = None
     heeded = False
     """Whether the end has come: what is still under way of a signal does nothing then."""
+
+    def __init__(self) -> None:
+        self._timers: list[threading.Timer] = []
+
+    def send_again(self) -> None:
+        """Send the signal anew, a little later."""
+        if self.number is not None:
+            timer = threading.Timer(AGAIN, os.kill, (os.getpid(), self.number))
+            timer.daemon = True
+            self._timers.append(timer)
+            timer.start()
+
+    def heed(self) -> None:
+        """Send nothing any more."""
+        self.heeded = True
+        for timer in self._timers:
+            timer.cancel()
+            timer.join()
 
     def act(self) -> None:
         """End what runs."""
@@ -59,6 +79,9 @@ def ends_softly(emergency: bool = False) -> Iterator[EndSignal]:
 
     def end(number: int, frame: FrameType | None) -> None:
         stop.number = number
+        if _is_inside(frame, SWALLOWED):  # what is raised there is swallowed, too
+            stop.send_again()
+            return
         clock = sys.modules.get("surefoot.base.compilation.clock")  # no kernel is compiled without it
         if clock is None or not clock.after_kernel(stop.act):
             stop.act()
@@ -87,24 +110,27 @@ def _signals_again(stop: EndSignal) -> Iterator[None]:
     """Send a signal anew whose exception C has swallowed, as it does in callbacks and destructors."""
     earlier = sys.unraisablehook
 
-    def hear(lost: Any) -> None:
-        if not isinstance(lost.exc_value, Termination) or stop.number is None:
+    def hear_swallowed(lost: Any) -> None:
+        if isinstance(lost.exc_value, Termination):
+            stop.send_again()
+        else:
             earlier(lost)
-            return
-        timer = threading.Timer(AGAIN, os.kill, (os.getpid(), stop.number))
-        timer.daemon = True
-        waiting.append(timer)
-        timer.start()
 
-    waiting: list[threading.Timer] = []
-    sys.unraisablehook = hear
+    sys.unraisablehook = hear_swallowed
     try:
         yield
     finally:
-        stop.heeded, sys.unraisablehook = True, earlier
-        for timer in waiting:
-            timer.cancel()
-            timer.join()
+        sys.unraisablehook = earlier
+        stop.heed()
+
+
+def _is_inside(frame: FrameType | None, name: str) -> bool:
+    """Return whether a function of this file is under way."""
+    while frame is not None:
+        if frame.f_code.co_name == name and frame.f_code.co_filename == __file__:
+            return True
+        frame = frame.f_back
+    return False
 
 
 def _handlers_to_replace(name: str, emergency: bool) -> tuple[Any, ...]:

@@ -112,7 +112,7 @@ class SimulatedRun:
         files.write_summary(entries)
         if self.leaving.video and summary.outcome != Ending.INTERRUPTED:
             with progress_bar(not self.console.quiet, "filming", 1.0) as tell:
-                files.film(self.robot, self.terrain, tell)
+                files.film(self.robot, self.terrain, tell, self.leaving.hd)
         files.publish(
             self.console, f"{self.robot.name} {account.doing}", (account.headline(summary), summary.good),
             ([*account.tables(summary), law_table(summary)], account.lines(summary)),

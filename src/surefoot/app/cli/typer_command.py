@@ -19,7 +19,7 @@ PANELS = {
     "Ground": ("terrain", "slope", "mu"),
     "Disturbances": ("push", "lift", "payload", "dropout", "seed", "scenario"),
     "World": ("world", "collision", "duration", "anyway", "resume", "at"),
-    "Output": ("view", "out", "video", "report", "as_json", "keep_states"),
+    "Output": ("view", "out", "video", "hd", "report", "as_json", "keep_states"),
 }  # fmt: skip
 """Panel of the help of a simulated run to the options that stand in it."""
 PANEL_OF = {name: panel for panel, names in PANELS.items() for name in names}

@@ -42,10 +42,10 @@ COMMANDS = (
     f"walk go2 --terrain stairs:0.05,0.3 {RUN} 0.6", f"walk go2 --scenario true.yaml {RUN} 0.5",
     f"walk go2 --planner contact-implicit {RUN} 0.6", f"walk g1 --velocity 0.3 {RUN} 0.6",
     f"walk go2 --terrain rough:1,0.03 --terrain-knowledge map --actuators real --commands targets {RUN} 0.8",
-    "plan jump 0.2 --dt 0.02 --no-video --no-report --out .", "identify", "record", "step",
+    "plan jump 0.2 --dt 0.02 --no-video --no-report --out .", "identify", "record", "step", "episodes",
 )  # fmt: skip
 """What is run, in a folder of small inputs; of identify, which would fit for a minute, a single rollout. No
-commands are `sf.record` and `sf.MujocoStepper`, in a user's own loop."""
+commands are `sf.record`, `sf.MujocoStepper`, and audits of many episodes, in a user's own loop."""
 LOOP = (
     "<mujoco><option integrator='{integrator}' cone='elliptic'/><worldbody><geom type='plane' size='9 9 1'/>"
     "<body pos='0 0 .1'><freejoint/><geom type='box' size='.1 .1 .1' mass='2'/><body pos='0 0 .2'>"
@@ -91,9 +91,7 @@ def _time_command(words: list[str]) -> dict[str, Any]:
     before, start, missing = compiled_so_far(), time.perf_counter(), None
     try:
         with contextlib.redirect_stdout(io.StringIO()):
-            if own := {"identify": _throw_a_cube, "record": _record_a_loop, "step": _step_a_loop}.get(
-                " ".join(words)
-            ):
+            if own := OWN.get(" ".join(words)):
                 own()
             else:
                 tree()(args=words, prog_name="surefoot", standalone_mode=False)
@@ -176,6 +174,34 @@ def _step_a_loop() -> None:
         data, stepper = mujoco.MjData(model), MujocoStepper(model)
         for _ in range(20):
             stepper.step(data)
+
+
+def _audit_episodes() -> None:
+    """Audit an episode as training does, and two as arrays."""
+    from surefoot.records.audit.batch.audit_batch import audit_batch
+    from surefoot.worlds.mujoco.episode.episode_audit import EpisodeAudit
+    from surefoot.worlds.mujoco.mujoco_world import import_mujoco
+
+    forces, gaps, speeds = (
+        np.full((60, 2, 2, 3), [0.0, 0.0, 9.0]),
+        np.zeros((60, 2, 2)),
+        np.zeros((60, 2, 2, 3)),
+    )
+    audit_batch({"forces": forces, "gaps": gaps, "velocities": speeds}, dt=0.01, mu=0.6, mass=2.0)
+    mujoco = import_mujoco()
+    model = mujoco.MjModel.from_xml_string(LOOP.format(integrator="RK4"))
+    data = mujoco.MjData(model)
+    audit = EpisodeAudit(mujoco, model, data)
+    audit.begin()
+    mujoco.mj_step(model, data, 20)
+    audit.finish()
+    audit.close()
+
+
+OWN = {
+    "identify": _throw_a_cube, "record": _record_a_loop, "step": _step_a_loop, "episodes": _audit_episodes,
+}  # fmt: skip
+"""What is no command of `COMMANDS`."""
 
 
 def _print(console: Console, facts: dict[str, Any]) -> None:

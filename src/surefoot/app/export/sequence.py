@@ -10,7 +10,8 @@ from typing import get_args
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, finite_array, real_number, whole_number
-from surefoot.base.errors import ProblemError, check_name
+from surefoot.base.drawn import Drawn
+from surefoot.base.errors import ProblemError, check_name, count_of
 from surefoot.contact import Fit
 from surefoot.mechanics.robot.outlines import inner_rectangle
 from surefoot.mechanics.stance import HalfSpaces, SoleContact, Stance
@@ -56,8 +57,8 @@ class SequencePhase:
         return self.stance.names
 
 
-@dataclass(frozen=True, eq=False)
-class ContactSequence:
+@dataclass(frozen=True, eq=False, repr=False)
+class ContactSequence(Drawn):
     """Phases in a row, and how their cones become half-spaces.
 
     Attributes
@@ -113,6 +114,15 @@ class ContactSequence:
                 check_name("frame", name, self.frames, f"phases[{k}]")
             if len(set(phase.names)) != len(phase.names):
                 raise ProblemError(f"phases[{k}] has a frame twice: {', '.join(phase.names)}")
+
+    def __repr__(self) -> str:
+        return f"ContactSequence({self.robot!r}, {len(self.phases)} phases, {len(self.frames)} frames)"
+
+    def __str__(self) -> str:
+        who = f" of {self.robot}" if self.robot else ""
+        touch = ", ".join(self.frames[:8]) + (" ..." if len(self.frames) > 8 else "")
+        phases = count_of(len(self.phases), "phase")
+        return f"Contact sequence{who}: {phases} in {self.duration:.4g} s; what may touch: {touch}."
 
     @property
     def duration(self) -> float:

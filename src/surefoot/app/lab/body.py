@@ -1,4 +1,4 @@
-"""A robot as shapes: its visual meshes, coarsened for the browser; lines from joint to joint without them."""
+"""A robot as shapes: its visual meshes, coarsened where they are many; lines between joints without them."""
 
 from __future__ import annotations
 
@@ -17,8 +17,10 @@ from surefoot.app.viz.shapes import bones
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.mechanics import Robot
 
-CELL = 0.006
-"""Vertices nearer to each other than this are drawn as one [m]."""
+MOST_TRIANGLES = 100_000
+"""A robot with no more is drawn as it is: 2 MB for the browser."""
+CELLS = (0.0, 0.002, 0.004, 0.006, 0.01, 0.02)
+"""Vertices nearer to each other than this are drawn as one [m]: the first with few enough triangles."""
 SPECK = 0.03
 """Radius of what has neither shapes nor bones [m]."""
 SHADES = ((64, 71, 82), (115, 125, 138), (84, 94, 107))
@@ -77,12 +79,19 @@ class RobotBody:
 @lru_cache(maxsize=8)
 def links_of(robot: Robot) -> tuple[Link, ...]:
     """Return a link for each joint with something to see; none without visual geometry."""
-    parts: dict[int, list[tuple[FloatArray, IntArray]]] = {}
+    whole: list[tuple[int, FloatArray, IntArray]] = []
     for item in robot.visual.geometryObjects:
         made = _surface(item)
         if made is not None:
             local = made[0] @ np.array(item.placement.rotation).T + np.array(item.placement.translation)
-            parts.setdefault(int(item.parentJoint), []).append((local, made[1]))
+            whole.append((int(item.parentJoint), local, made[1]))
+    parts: dict[int, list[tuple[FloatArray, IntArray]]] = {}
+    for cell in CELLS:
+        parts = {}
+        for joint, vertices, faces in whole:
+            parts.setdefault(joint, []).append(coarse(vertices, faces, cell))
+        if sum(len(faces) for pieces in parts.values() for _, faces in pieces) <= MOST_TRIANGLES:
+            break
     return tuple(Link(joint, *join_surfaces(pieces)) for joint, pieces in sorted(parts.items()))
 
 
@@ -90,14 +99,24 @@ def coarse(vertices: FloatArray, faces: IntArray, cell: float) -> tuple[FloatArr
     """Return (k, 3) vertices that are the means of those in one `cell` of a grid [m], and (m, 3) triangles.
 
     Vertex clustering: Rossignac and Borrel, "Multi-resolution 3D approximations for rendering complex
-    scenes", 1993. Triangles that lose their area are left out, and so are doubles.
+    scenes", 1993, by the octant of a vertex's normal as well: the two sides of a thin wall would else be
+    one, whose shading has no direction. Triangles that lose their area are left out, and so are doubles. As
+    they are with a cell of 0.
     """
-    _, owner, count = np.unique(np.round(vertices / cell), axis=0, return_inverse=True, return_counts=True)
+    if not cell:
+        return vertices, faces
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    across = np.cross(b - a, c - a)
+    normals = np.column_stack(
+        [np.bincount(faces.ravel(), np.repeat(across[:, k], 3), len(vertices)) for k in range(3)]
+    )
+    keys = np.column_stack([np.round(vertices / cell), normals >= 0.0])
+    _, owner, count = np.unique(keys, axis=0, return_inverse=True, return_counts=True)
     owner = owner.ravel()
     middle = np.column_stack([np.bincount(owner, vertices[:, k]) for k in range(3)]) / count[:, None]
     joined = owner[faces]
-    a, b, c = joined.T
-    kept = joined[(a != b) & (b != c) & (c != a)]
+    i, j, k = joined.T
+    kept = joined[(i != j) & (j != k) & (k != i)]
     _, first = np.unique(np.sort(kept, axis=1), axis=0, return_index=True)
     return middle, kept[np.sort(first)]
 
@@ -106,7 +125,7 @@ def _surface(item: Any) -> tuple[FloatArray, IntArray] | None:
     """Return vertices and triangles of a geometry object in its own frame; None for what cannot be drawn."""
     kind, shape = type(item.geometry).__name__, item.geometry
     if kind.startswith("BVHModel"):
-        return coarse(*triangles(item), CELL) if shape.num_vertices > 3 else None
+        return triangles(item) if shape.num_vertices > 3 else None
     if kind not in _FORMS:
         return None
     from trimesh import creation  # viser brings it

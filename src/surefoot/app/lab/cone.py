@@ -14,6 +14,7 @@ from surefoot.app.lab.figure import Figure
 from surefoot.app.lab.geometry import CORNERS, SIDES, cone_surface, fan, polygon_surface
 from surefoot.app.lab.html_text import heading, paragraph, table, text
 from surefoot.app.lab.page import Grip, Page
+from surefoot.app.viz import palette
 from surefoot.base.arrays import FloatArray
 from surefoot.contact import Fit, FrictionCone, FrictionPyramid
 
@@ -106,7 +107,7 @@ def cone_text(state: ConeState) -> str:
         rows.append(_row(f"{fit} pyramid", pyramid, force, f"{verb} {100 * pyramid.fit_error.radial:.1f} %"))
     used = f"{100 * use:.0f} %" if math.isfinite(use) else "more than all"
     return text(
-        heading("Sticks" if holds else "Slides or pulls"),
+        heading("Sticks" if holds else "Slides or pulls", palette.GOOD if holds else palette.BAD),
         paragraph(f"Friction used: {used}. Half angle of the cone {math.degrees(math.atan(cone.mu)):.1f}°."),
         table(("", "holds the force", "margin [N]", "at worst"), rows),
     )

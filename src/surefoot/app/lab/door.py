@@ -12,6 +12,8 @@ from http.cookies import CookieError, SimpleCookie
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
+from surefoot.app.lab.front import dress_answer
+
 LENGTH = 16
 """Bytes of a token."""
 WORD = "token"
@@ -104,6 +106,8 @@ def guard_server(door: Door) -> Iterator[None]:
                 headers = Headers({"Content-Type": "text/plain", "Content-Length": str(len(body))})
                 return Response(status, status.phrase, headers, body)
             answer = None if process_request is None else process_request(connection, request)
+            if isinstance(answer, Response):
+                dress_answer(answer)
             if isinstance(answer, Response) and door.knows(request.path):
                 answer.headers["Set-Cookie"] = door.cookie(request.headers["Host"])
             return answer

@@ -12,18 +12,16 @@ from typing import TypeAlias
 
 import numpy as np
 
+from surefoot.app.viz import palette
 from surefoot.base.arrays import FloatArray, IntArray
 
 Colour: TypeAlias = tuple[int, int, int]
 
-FORCE, CONE, PUSH, BODY = (209, 73, 91), (28, 107, 168), (230, 153, 13), (84, 94, 105)
-GROUND, GRID, GOOD, BAD, INK = (
-    (232, 228, 218),
-    (196, 190, 176),
-    (46, 147, 60),
-    (179, 0, 27),
-    (34, 48, 60),
+FORCE, CONE, PUSH, MOTION, BODY = map(
+    palette.rgb, (palette.FORCE, palette.CONE, palette.PUSH, palette.MOTION, palette.BODY)
 )
+GROUND, GRID, INK = map(palette.rgb, (palette.GROUND, palette.GROUND_LINE, palette.INK))
+GOOD, WARN, BAD = map(palette.rgb, (palette.GOOD, palette.WARN, palette.BAD))
 
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 """The quaternion (w, x, y, z) that turns nothing."""

@@ -9,6 +9,7 @@ from xml.sax.saxutils import escape
 import numpy as np
 
 from surefoot.app.lab.drawing import BAD, GRID, INK, Colour
+from surefoot.app.viz import palette
 from surefoot.base.arrays import FloatArray
 
 SIZE = 340
@@ -17,9 +18,7 @@ WIDE = 7.0
 """Of a letter [pixels], so that names beside each other do not overlap."""
 STRIP_HEIGHT = 130
 """Height of a strip of curves [pixels]."""
-CURVES: tuple[Colour, ...] = (
-    (27, 108, 168), (209, 73, 91), (46, 147, 60), (224, 142, 11), (111, 78, 155), (0, 121, 140),
-)  # fmt: skip
+CURVES: tuple[Colour, ...] = tuple(palette.rgb(colour) for colour in palette.LINES[:6])
 
 
 def css(colour: Colour) -> str:

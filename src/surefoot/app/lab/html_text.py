@@ -5,13 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from html import escape
 
-STYLE = "font-family: sans-serif; font-size: 14px; line-height: 1.45; padding: 0 0.8em;"
+from surefoot.app.viz import palette
+
+STYLE = f"font-family: {palette.TEXT_FAMILY}; font-size: 14px; line-height: 1.45; padding: 0 0.8em;"
 _CELL = 'style="text-align: {}; padding: 1px 6px 1px 0;"'
 
 
-def heading(text: str) -> str:
-    """Return a heading."""
-    return f'<div style="font-size: 18px; font-weight: bold; margin: 0.4em 0 0.2em;">{escape(text)}</div>'
+def heading(text: str, colour: str = "") -> str:
+    """Return a heading; with a colour it is a badge of a verdict, white on it."""
+    badge = f"color: {palette.PAPER}; background: {colour}; padding: 0.2em 0.7em; border-radius: 0.4em;"
+    style = f"font-size: 18px; font-weight: bold; margin: 0.4em 0 0.3em; {badge if colour else ''}"
+    return f'<div style="{style}">{escape(text)}</div>'
 
 
 def paragraph(text: str, style: str = "") -> str:
@@ -40,4 +44,4 @@ def text(*parts: str) -> str:
 
 def refusal(line: str) -> str:
     """Return what is said to a browser whose choice was refused."""
-    return text(paragraph(f"Refused: {line}", "color: #b3001b; font-weight: bold;")) if line else ""
+    return text(paragraph(f"Refused: {line}", f"color: {palette.BAD}; font-weight: bold;")) if line else ""

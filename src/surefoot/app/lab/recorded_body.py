@@ -13,6 +13,7 @@ from surefoot.app.lab.geometry import join_surfaces, pose_of
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.spatial import quaternion_about, quaternion_xyzw, rotation_from_quaternion
 from surefoot.records import Log
+from surefoot.worlds.replay.recorded_model import recorded_hull
 
 NEEDED = (
     "model_bodies", "model_parents", "model_positions", "model_orientations", "model_joint_kinds",
@@ -35,6 +36,7 @@ class RecordedBody:
 
     def __init__(self, log: Log) -> None:
         self._fact = {name: log.fact(name) for name in NEEDED}
+        self._log = log
         self._parents = np.asarray(self._fact["model_parents"], dtype=int).tolist()
         self._owners = np.asarray(self._fact["model_joint_bodies"], dtype=int)
         self._kinds = [str(kind) for kind in self._fact["model_joint_kinds"]]
@@ -80,12 +82,12 @@ class RecordedBody:
         return out
 
     def _surfaces(self) -> dict[int, tuple[FloatArray, IntArray]]:
-        """Return link to its surface; meshes, of which a recording keeps the size, as boxes."""
+        """Return link to its surface; meshes as their hulls, as boxes where the log keeps only their size."""
         parts: dict[int, list[tuple[FloatArray, IntArray]]] = {}
         fact = self._fact
         for k, body in enumerate(np.asarray(fact["model_geom_bodies"], dtype=int).tolist()):
             size = np.asarray(fact["model_geom_sizes"][k], dtype=np.float64)
-            made = _surface(int(fact["model_geom_types"][k]), size)
+            made = _surface(int(fact["model_geom_types"][k]), size, recorded_hull(self._log, k))
             if made is not None:
                 turn = rotation_from_quaternion(quaternion_xyzw(fact["model_geom_orientations"][k]))
                 moved = np.asarray(made.vertices) @ turn.T + np.asarray(fact["model_geom_positions"][k])
@@ -104,9 +106,12 @@ def can_draw(log: Log) -> bool:
     return simple and log["q"].shape[1] == joints + (7 if free else 0)
 
 
-def _surface(kind: int, size: FloatArray) -> Any:
-    """Return trimesh's surface of a shape in its own axes; None for what has no size."""
-    from trimesh import creation  # viser brings it
+def _surface(kind: int, size: FloatArray, corners: FloatArray) -> Any:
+    """Return trimesh's surface of a shape in its own axes, or that of corners (n, 3); None for no size."""
+    from trimesh import Trimesh, creation  # viser brings it
+
+    if len(corners):
+        return Trimesh(corners).convex_hull
 
     if kind == SPHERE:
         return creation.icosphere(radius=size[0], subdivisions=2)

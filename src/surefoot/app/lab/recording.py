@@ -220,22 +220,29 @@ class RecordingPage(Page):
         """Return what there is to see now."""
         self._play()
         rec, row, now = self._recording, self.row, self.values["time"]
-        origin = self._origin(row)
-        shapes: dict[str, Shape] = {**self._ground.shapes(origin), **self._robot(row, origin)}
         head = [heading(f"{now:.3f} s, row {row} of {len(rec.time)}"), *map(paragraph, self._head)]
         broken = [s.name for s in self._spans if s.start - 1e-9 <= now <= s.end + 1e-9]
         head += [paragraph(name, "font-weight: bold;") for name in broken[:5]]
         if "forces" in rec.log:
             mu, forces = friction_of(rec.log, row), np.asarray(rec.log["forces"][row], dtype=np.float64)
-            if "contact_positions" in rec.log:
-                places = np.asarray(rec.log["contact_positions"][row]) - [*origin, 0.0]
-                shapes |= contact_shapes(rec.names, places, frames_of(rec.log, row), forces, mu, rec.weight)
             head.append(force_rows(rec.names, np.nan_to_num(forces), mu))
+        words = text(*head, *map(paragraph, rec.notes))
+        return Drawing(self.shapes(), words, rec.strip(now, self._spans))
+
+    def shapes(self) -> dict[str, Shape]:
+        """Return ground, robot, forces and push of the row that is shown."""
+        rec, row = self._recording, self.row
+        origin = self._origin(row)
+        shapes: dict[str, Shape] = {**self._ground.shapes(origin), **self._robot(row, origin)}
+        if "forces" in rec.log and "contact_positions" in rec.log:
+            mu, forces = friction_of(rec.log, row), np.asarray(rec.log["forces"][row], dtype=np.float64)
+            places = np.asarray(rec.log["contact_positions"][row]) - [*origin, 0.0]
+            shapes |= contact_shapes(rec.names, places, frames_of(rec.log, row), forces, mu, rec.weight)
         push = np.asarray(rec.log["push"][row]) if "push" in rec.log else np.zeros(3)
         if push.any() and np.isfinite(push).all() and rec.pose is not None:
             vector, at = push / rec.weight, np.asarray(rec.pose[row, :3]) - [*origin, 0.0]
             shapes["/push"] = draw.arrow_at(at - vector, vector, draw.PUSH, 0.015)
-        return Drawing(shapes, text(*head, *map(paragraph, rec.notes)), rec.strip(now, self._spans))
+        return shapes
 
     def _origin(self, row: int) -> FloatArray:
         """Return the (2,) place that is in the middle of the picture [m]."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,6 +17,7 @@ from surefoot.app.lab.geometry import CORNERS, SIDES, cone_surface, fan, polygon
 from surefoot.app.lab.html_text import heading, paragraph, text
 from surefoot.app.lab.page import Grip, Page
 from surefoot.app.lab.stand_forces import pressures, sole_lines
+from surefoot.app.viz import palette
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY, rotation_from_normal
@@ -39,7 +41,6 @@ MOTION_LENGTH = 0.15
 """Length of the fastest arrow of the motion that no force opposes [m]."""
 HIPS = 0.6
 """How far apart the hips are drawn, as a share of the feet."""
-MOTION = (111, 78, 155)
 CONES: dict[str, tuple[int | None, Fit]] = {
     "exact": (None, "inner"), "4 sides inside": (4, "inner"), "8 sides inside": (8, "inner"),
     "4 sides around": (4, "outer"), "8 sides around": (8, "outer"),
@@ -133,7 +134,7 @@ def answer_of(state: StandState) -> StandAnswer:
     stance, (facets, fit) = state.stance(), CONES[state.cones]
     verdict = can_stand(stance, state.com, state.mass, facets=facets, fit=fit)
     region = com_region(stance, state.mass, TOLERANCE, facets=facets, fit=fit)
-    forces, pressed = pressures(stance, verdict.forces)
+    forces, pressed = pressures(stance, verdict.stacked)
     return StandAnswer(verdict, region, forces, pressed, friction_needed(stance, state.com, state.mass))
 
 
@@ -226,7 +227,7 @@ def _motion(state: StandState, certificate: FloatArray, places: FloatArray) -> S
     points = np.vstack([state.com, places])
     speeds = linear + np.cross(angular, points - state.com)
     fastest = float(np.linalg.norm(speeds, axis=1).max())
-    return draw.arrows(points, MOTION_LENGTH / max(fastest, 1e-12) * speeds, MOTION, 0.005)
+    return draw.arrows(points, MOTION_LENGTH / max(fastest, 1e-12) * speeds, draw.MOTION, 0.005)
 
 
 def verdict_text(state: StandState, answer: StandAnswer) -> str:
@@ -234,13 +235,13 @@ def verdict_text(state: StandState, answer: StandAnswer) -> str:
     verdict = answer.verdict
     if verdict.feasible:
         parts = [
-            heading("It can stand"),
+            heading("It can stand", palette.GOOD),
             paragraph(f"Margin {verdict.margin:.2f} N: so far is every force from its cone's border."),
         ]
     elif verdict.certificate is not None:
         y = ", ".join(f"{value:.3g}" for value in verdict.certificate.round(4) + 0.0)
         parts = [
-            heading("It cannot stand"),
+            heading("It cannot stand", palette.BAD),
             paragraph(
                 "Proof: the motion of the violet arrows. The weight drives it, no force within the cones "
                 "opposes it."
@@ -248,7 +249,7 @@ def verdict_text(state: StandState, answer: StandAnswer) -> str:
             paragraph(f"y = [{y}], y . load = {float(verdict.certificate @ verdict.load):.3g} < 0"),
         ]
     else:
-        parts = [heading("Undecided"), paragraph("Rounding leaves neither forces nor a proof.")]
+        parts = [heading("Undecided", palette.NOTE), paragraph("Rounding leaves neither forces nor a proof.")]
     needed = f"{answer.needed:.3f}" if math.isfinite(answer.needed) else "no friction is enough"
     parts.append(paragraph(f"Friction needed, the same under every foot: {needed}."))
     if not answer.region.empty:
@@ -294,6 +295,8 @@ class StandPage(Page):
     ----------
     state
         To begin with.
+    robot_shapes
+        The robot's shapes on a stance, none where it does not reach; None for sticks alone.
     """
 
     title = "Can it stand here?"
@@ -302,8 +305,10 @@ class StandPage(Page):
         "centre of mass may be."
     )
 
-    def __init__(self, state: StandState) -> None:
-        self.start = state
+    def __init__(
+        self, state: StandState, robot_shapes: Callable[[StandState], Mapping[str, Shape]] | None = None
+    ) -> None:
+        self.start, self._robot_shapes = state, robot_shapes
         self._begin()
 
     def _begin(self) -> None:
@@ -354,7 +359,13 @@ class StandPage(Page):
 
     def drawing(self) -> Drawing:
         """Return what there is to see now."""
-        return stand_drawing(self.state)
+        state = self.state
+        drawing = stand_drawing(state)
+        robot = {} if self._robot_shapes is None else self._robot_shapes(state)
+        if not robot:
+            return drawing
+        shapes = {name: shape for name, shape in drawing.shapes.items() if name != "/body"} | dict(robot)
+        return replace(drawing, shapes=shapes)
 
 
 def _controls(state: StandState) -> list[Any]:

@@ -28,7 +28,7 @@ def pressures(stance: Stance, found: FloatArray | None) -> tuple[FloatArray | No
 
 def sole_lines(verdict: Verdict) -> list[str]:
     """Return for each sole the share of its cone that its wrench uses, and what binds, as HTML."""
-    lines, at, forces = [], 0, np.asarray(verdict.forces)
+    lines, at, forces = [], 0, np.asarray(verdict.stacked)
     for contact in verdict.stance.contacts:
         wrench = forces[at : at + contact.dim]
         at += contact.dim

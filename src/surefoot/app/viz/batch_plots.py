@@ -34,6 +34,7 @@ def draw_broken_laws(report: BatchReport, axes: Any) -> None:
         told = f" {share:.3g} % of them, {part:.2g} % of rows" if share else " holds"
         axes.text(share, place, told, va="center", fontsize=8)
     axes.set_yticks(places, [law.name for law in found])
-    axes.set_xlim(0.0, 1.6 * most)  # room for the words
+    axes.set(xlim=(0.0, 1.6 * most), ylim=(-1.0, max(len(found), 4) - 0.4))  # room for the words
+    axes.set_xticks([tick for tick in axes.get_xticks() if tick <= 100.0])
     axes.set_xlabel("share of environments that break it [%]")
     axes.set_title(f"{len(report):,} environments, {len(report.unlawful):,} broken", fontsize=9, loc="left")

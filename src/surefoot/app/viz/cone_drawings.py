@@ -10,7 +10,7 @@ import numpy as np
 from surefoot.app.viz.shapes import ring
 from surefoot.app.viz.style import BAD, FOOT_COLOURS, FORCE, INK, MUTED
 from surefoot.base.arrays import FloatArray
-from surefoot.base.errors import ProblemError
+from surefoot.base.errors import ProblemError, count_of
 from surefoot.contact import Fit
 from surefoot.contact.cones import FrictionCone, FrictionPyramid, PolyhedralCone, Sole
 from surefoot.mechanics.statics.wrench_cone import StanceCone
@@ -105,7 +105,9 @@ def draw_polyhedral_cone(cone: PolyhedralCone, axes: Any) -> None:
     mean = cone.rays.mean(axis=0) if len(cone.rays) else np.zeros(cone.dim)
     if not mean[2] > 0.0:
         raise ProblemError("the cone has no forces along its third axis: there is no section to draw")
-    _draw_section(axes, mean / mean[2], cone.contains, f"section of {cone!r}")
+    _draw_section(
+        axes, mean / mean[2], cone.contains, f"section of a cone of {count_of(len(cone.rays), 'ray')}"
+    )
 
 
 def draw_stance_cone(cone: StanceCone, axes: Any) -> None:

@@ -31,6 +31,8 @@ class PictureKind(NamedTuple):
         Whether it has panels of its own, and so takes no axes.
     page
         "module:function" that writes a page about it into a new file; empty for none.
+    scene
+        Whether rerun and viser can show it, see `surefoot.app.lab.scenes`.
     """
 
     function: str
@@ -38,6 +40,7 @@ class PictureKind(NamedTuple):
     space: bool = False
     panels: bool = False
     page: str = ""
+    scene: bool = False
 
 
 DRAWINGS = {
@@ -49,19 +52,30 @@ DRAWINGS = {
     "contact.Certified": PictureKind("contact_drawings:draw_forces", (4.8, 4.6)),
     "contact.BatchSolution": PictureKind("contact_drawings:draw_batch", (6.0, 3.6)),
     "mechanics.Robot": PictureKind("stance_plots:draw_robot", (5.2, 4.8), space=True),
-    "mechanics.Stance": PictureKind("stance_plots:draw_stance", (5.2, 4.8), space=True),
-    "mechanics.Verdict": PictureKind("stance_plots:draw_verdict", (5.6, 5.0), space=True),
+    "mechanics.Stance": PictureKind("stance_plots:draw_stance", (5.2, 4.8), space=True, scene=True),
+    "mechanics.Verdict": PictureKind("stance_plots:draw_verdict", (5.6, 5.0), space=True, scene=True),
     "mechanics.Region": PictureKind("stance_plots:draw_region", (5.0, 4.4)),
     "mechanics.StanceCone": PictureKind("cone_drawings:draw_stance_cone", (4.8, 4.4)),
+    "mechanics.Verdicts": PictureKind("outcome_plots:draw_verdicts", (6.0, 3.6)),
     "motion.ContactSchedule": PictureKind("gait_drawings:draw_gait", (6.4, 2.4)),
-    "motion.Plan": PictureKind("plan_plots:draw_phases", (7.0, 2.8)),
-    "records.Log": PictureKind("log_drawings:draw_log", (8.0, 6.4), panels=True),
+    "motion.Plan": PictureKind("plan_plots:draw_phases", (7.0, 2.8), scene=True),
+    "records.Log": PictureKind("log_drawings:draw_log", (8.0, 6.4), panels=True, scene=True),
     "records.AuditReport": PictureKind("story_plots:draw_panels_of_story", (9.0, 7.0), panels=True),
     "records.BatchReport": PictureKind("batch_plots:draw_broken_laws", (6.4, 3.6)),
     "records.MotionReport": PictureKind(
         "motion_plots:draw_panels_of_motion", (9.0, 6.0), panels=True, page="motion_plots:write_motion_page"
     ),
+    "records.Motion": PictureKind("motion_strip:draw_strip", (8.0, 2.6), scene=True),
+    "records.Repair": PictureKind("outcome_plots:draw_repair", (6.4, 3.4)),
+    "records.ContactTimes": PictureKind("outcome_plots:draw_contact_times", (6.4, 2.4)),
+    "records.ForceEstimate": PictureKind("stance_plots:draw_estimate", (5.2, 4.8), space=True),
+    "records.ForceModel": PictureKind("fit_plots:draw_force_model", (6.0, 4.2)),
+    "records.FootForces": PictureKind("fit_plots:draw_foot_forces", (6.4, 3.2)),
+    "records.RobotFit": PictureKind("fit_plots:draw_robot_fit", (6.0, 3.0)),
     "records.TossFit": PictureKind("toss_plots:draw_fit", (5.6, 3.8)),
+    "app.ContactSequence": PictureKind("outcome_plots:draw_sequence", (6.4, 2.4)),
+    "worlds.ReplayReport": PictureKind("outcome_plots:draw_replay", (6.4, 3.2)),
+    "worlds.TransferReport": PictureKind("outcome_plots:draw_transfer", (7.4, 3.0)),
     "worlds.SweepResult": PictureKind("sweep_plots:draw_survival", (9.0, 5.4), panels=True),
 }
 """Wing and class to its drawing; derived classes are drawn as the nearest class that has one."""

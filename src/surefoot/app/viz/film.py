@@ -1,4 +1,4 @@
-"""A film of a logged run: forces inside their friction cones, pushes, a clock and a legend."""
+"""A film of a logged run: forces inside their cones, pushes, gait, speed, clock, and whether laws held."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from surefoot.app.viz import palette
+from surefoot.app.viz.film_facts import FilmFacts, film_facts
+from surefoot.app.viz.palette import rgb
 from surefoot.app.viz.video import (
     ARROW_LENGTH,
     CONE_COLOUR,
@@ -25,9 +28,11 @@ from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot, Terrain
 from surefoot.records import Log
 
-INK, PAPER = (34, 48, 60), (255, 255, 255)
+INK, PAPER = rgb(palette.INK), rgb(palette.PAPER)
 TEXT_SHARE = 0.026
 """Height of the text as a share of the picture's."""
+GAIT_SECONDS = 2.0
+"""Shown by the gait's bars [s]."""
 
 
 Entry: TypeAlias = tuple[tuple[float, ...], str]
@@ -76,15 +81,50 @@ class Overlay:
             at += length + 2.9 * text + min(room, 2.0 * text)
         return strip
 
-    def over(self, picture: Any, time: float) -> Any:
-        """Return a (height, width, 3) picture with title, legend and a clock at `time` [s] over it."""
+    def over(self, picture: Any, time: float, facts: FilmFacts | None = None, step: int = 0) -> Any:
+        """Return a (height, width, 3) picture with title, legend and a clock at `time` [s] over it.
+
+        With `facts` there are speed, bars of the gait and a badge of the laws at a row as well.
+        """
         image = self._image.fromarray(picture)
-        draw = self._draw.Draw(image)
+        draw = self._draw.Draw(image, "RGBA")
         image.paste(self._strip, (0, 0), self._strip)
+        clock = f"{time:.2f} s"
+        if facts is not None:
+            self._bars(draw, facts, step)
+            self._badge(draw, facts.badge(time))
+            clock = clock if facts.speed is None else f"{facts.speed[step]:.2f} m/s    {clock}"
         corner = (self._size[0] - self._text, self._size[1] - self._text)
         draw.text((self._text, corner[1]), self._title, fill=INK, font=self._font, anchor="lm")
-        draw.text(corner, f"{time:.2f} s", fill=INK, font=self._font, anchor="rm")
+        draw.text(corner, clock, fill=INK, font=self._font, anchor="rm")
         return np.asarray(image)
+
+    def _bars(self, draw: Any, facts: FilmFacts, step: int) -> None:
+        """Draw which contact carried when in the last seconds, now at the right."""
+        text, rows = self._text, len(facts.names)
+        words = [name.removesuffix("_foot")[:12] for name in facts.names]
+        left = 1.5 * text + max((draw.textlength(word, font=self._font) for word in words), default=0.0)
+        width, height = 0.22 * self._size[0], 0.9 * text
+        top = self._size[1] - 2.0 * text - 1.2 * text * rows
+        ground = [0.5 * text, top - 0.4 * text, left + width + 0.5 * text, top + 1.2 * text * rows]
+        draw.rounded_rectangle(ground, 0.3 * text, fill=(*PAPER, 170))
+        for k, (word, spans) in enumerate(zip(words, facts.spans(step, GAIT_SECONDS), strict=True)):
+            high = top + 1.2 * text * k
+            draw.text((text, high + 0.5 * height), word, fill=INK, font=self._font, anchor="lm")
+            for begin, end in spans:
+                box = [left + begin * width, high, left + end * width, high + height]
+                draw.rectangle(box, fill=rgb(palette.LINES[k % len(palette.LINES)]))
+
+    def _badge(self, draw: Any, told: tuple[str, bool] | None) -> None:
+        """Draw whether the laws have held so far, at the upper right."""
+        if told is None:
+            return
+        words, holds = told
+        text, right = self._text, self._size[0] - self._text
+        left = right - draw.textlength(words, font=self._font) - 1.4 * text
+        box = [left, 2.6 * text, right, 4.4 * text]
+        draw.rounded_rectangle(box, 0.5 * text, fill=rgb(palette.GOOD if holds else palette.BAD))
+        draw.text((left + 0.7 * text, 3.5 * text), words, fill=PAPER, font=self._font, anchor="lm")
 
 
 WIDTH, HEIGHT, RATE = 1280, 720, 25
@@ -154,19 +194,22 @@ def frames_of(
         every = 1.0 / (rate * dt)
         scene = FilmScene(log, terrain, ARROW_LENGTH * renderer.size / (robot.mass * GRAVITY), renderer.size)
         title = f"{robot.name}, ground of friction {float(log['mu'][0]):.2g}"
-        overlay = Overlay(*size, title, scene.legend())
+        overlay, facts = Overlay(*size, title, scene.legend()), film_facts(log, robot)
         for k in range(int(len(log) / every)):
             step = int(k * every)
-            picture = renderer.frame(log["q"][step], scene.arrows(step), scene.lines(step))
-            yield overlay.over(picture, float(log["time"][step]))
+            picture = renderer.frame(log["q"][step], scene.arrows(step), scene.lines(step), 1.0 / rate)
+            yield overlay.over(picture, float(log["time"][step]), facts, step)
     finally:
         renderer.close()
 
 
 def write_video(
-    log: Log, robot: Robot, terrain: Terrain, path: Path, progress: Callable[[float], None] | None = None
-) -> Path:
+    log: Log, robot: Robot, terrain: Terrain, path: Path, progress: Callable[[float], None] | None = None,
+    height: int = HEIGHT,
+) -> Path:  # fmt: skip
     """Write a film of a log as .mp4 and return its path; `progress` is called with the share done.
+
+    `height` is that of its pictures [pixels], which are 16 to 9: 720 or 1080.
 
     Raises
     ------
@@ -181,7 +224,7 @@ def write_video(
     total = max(1, int(len(log) * float(log.facts["dt"]) * RATE))
     writer = None
     try:
-        for k, picture in enumerate(frames_of(log, robot, terrain)):
+        for k, picture in enumerate(frames_of(log, robot, terrain, size=(height * 16 // 9, height))):
             if writer is None:
                 writer = imageio.get_writer(path, fps=RATE, quality=7, macro_block_size=8)
             writer.append_data(picture)
@@ -193,3 +236,12 @@ def write_video(
         if writer is not None:
             writer.close()
     return path
+
+
+def write_animation(pictures: Sequence[Any], path: Path, rate: int) -> None:
+    """Write pictures of Pillow as an endless .webp, so many a second; its folder is made."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    first, *rest = pictures
+    first.save(
+        path, save_all=True, append_images=rest, duration=round(1000 / rate), loop=0, quality=60, method=6
+    )

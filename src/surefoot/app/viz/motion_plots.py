@@ -7,14 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.app.viz.style import BAD, FORCE, GROUND, INK, MUTED, blank_figure, house_style, save
+from surefoot.app.viz.shapes import bones
+from surefoot.app.viz.style import BAD, FORCE, GOOD, GROUND, INK, MUTED, WARN, blank_figure, house_style, save
 from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import GRAVITY, heading_of
 from surefoot.records.certificates.motion_report import MotionReport
 
 STRIP = 10
 """Robots in the row."""
-COLOURS = {"possible": "#2e933c", "cannot tell": "#e08e0b", "impossible": BAD, "no window": MUTED}
+COLOURS = {"possible": GOOD, "cannot tell": WARN, "impossible": BAD, "no window": MUTED}
 """Of verdicts."""
 
 
@@ -81,23 +82,24 @@ def _draw_robots(axis: Any, report: MotionReport) -> None:
     data, frames, q = report.data, report.frames, report.motion.q
     chosen = np.unique(np.linspace(0, len(q) - 1, min(STRIP, len(q))).astype(int))
     height = max(float(np.ptp(data.model.motion.origins[..., 2])), 0.3)
-    for place, k in enumerate(chosen):
-        side = heading_of(q[k, 3:7])
-        flat = _project(data.model.motion.origins[k] - [*q[k, :2], 0.0], side)
-        flat[:, 0] += 0.9 * height * place
-        colour = COLOURS[str(frames.verdict[k])]
-        for b, up in enumerate(data.model.tree.parent):
-            if up >= 0:
-                axis.plot(*zip(flat[up], flat[b], strict=True), color=colour, lw=1.6)
+    headings = [heading_of(q[k, 3:7]) for k in chosen]
+    views = [
+        _project((bones(report.motion.robot, q[k]) - [*q[k, :2], 0.0]).reshape(-1, 3), side).reshape(-1, 2, 2)
+        for k, side in zip(chosen, headings, strict=True)
+    ]
+    apart = max(0.9 * height, 1.15 * max(float(np.ptp(view[..., 0])) for view in views if len(view)))
+    for place, (k, side, view) in enumerate(zip(chosen, headings, views, strict=True)):
+        start = np.array([apart * place, 0.0])
+        axis.plot(
+            *np.moveaxis(view + start, -1, 0).swapaxes(1, 2), color=COLOURS[str(frames.verdict[k])], lw=1.6
+        )
         missing = frames.force[k]
         if np.isfinite(missing).all() and frames.share[k] > report.possible:
-            start = _project((data.model.motion.com[k] - [*q[k, :2], 0.0])[None], side)[0]
-            start[0] += 0.9 * height * place
+            com = _project((data.model.motion.com[k] - [*q[k, :2], 0.0])[None], side)[0] + start
             arrow = 0.5 * height * _project(missing[None] / (data.model.rules.mass * GRAVITY), side)[0]
-            axis.annotate(
-                "", xy=start + arrow, xytext=start, arrowprops={"arrowstyle": "->", "color": FORCE, "lw": 1.5}
-            )
-        axis.text(0.9 * height * place, -0.12 * height, f"{frames.time[k]:.1f} s", ha="center", fontsize=7)
+            drawn = {"arrowstyle": "->", "color": FORCE, "lw": 1.5}
+            axis.annotate("", xy=com + arrow, xytext=com, arrowprops=drawn)
+        axis.text(apart * place, -0.2 * height, f"{frames.time[k]:.1f} s", ha="center", va="top", fontsize=7)
     axis.axhline(0.0, color=GROUND, lw=3.0, zorder=0)
 
 

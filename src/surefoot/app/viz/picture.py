@@ -20,7 +20,8 @@ def picture(answer: Any, path: Path | str = "picture.png", **options: Any) -> Pa
     answer
         What has a method `plot`: a cone, a stance, a verdict, a solution, a log, an audit's report ...
     path
-        Of the file; its suffix says which kind: .png, .svg or .pdf; of a certified motion .html as well.
+        Of the file; its suffix says which kind: .png, .svg or .pdf; of a certified motion .html as well, of
+        what moves or stands .rrd and .viser, scenes of rerun and viser.
     **options
         Of the picture of this kind, as docs/pictures.md lists them.
 
@@ -29,19 +30,23 @@ def picture(answer: Any, path: Path | str = "picture.png", **options: Any) -> Pa
     ProblemError
         For what has no picture, an option that its picture has not, or a file that exists already.
     MissingExtra
-        If matplotlib is not installed.
+        If matplotlib, or the viewer of a scene, is not installed.
     """
     drawing = drawing_of(answer)
     place = path_of(path)
     if place.exists():
         raise ProblemError(f"{place} exists already")
-    kinds = (*KINDS, ".html") if drawing.page else KINDS
+    kinds = (*KINDS, *([".html"] if drawing.page else []), *(SCENES if drawing.scene else ()))
     if place.suffix not in kinds:
         raise ProblemError(f"a picture is one of {', '.join(kinds)}, got {place.suffix or place.name!r}")
     if place.suffix == ".html":
         return Path(resolve_name(f"{VIZ}.{drawing.page}")(answer, place))
+    if place.suffix in SCENES:
+        return Path(resolve_name("surefoot.app.lab.scene_files:write_scene")(answer, place, **options))
     return save(figure_of(answer, **options), place)
 
 
 KINDS = (".png", ".svg", ".pdf")
 """Suffixes of files of pictures."""
+SCENES = (".rrd", ".viser")
+"""Suffixes of scenes in space and time, which rerun and viser show."""

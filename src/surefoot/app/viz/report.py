@@ -8,18 +8,19 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from surefoot.app.viz.palette import BAD, GOOD, GRID, INK, NOTE, PANEL, PAPER, TEXT_FAMILY
 from surefoot.base.errors import ProblemError
 
-_CSS = """
-body{font:15px/1.5 system-ui,sans-serif;color:#22303c;max-width:60rem;margin:2rem auto;padding:0 1rem}
-h1{font-size:1.6rem;margin-bottom:.2rem}h2{font-size:1.1rem;margin-top:2rem}
-.verdict{display:inline-block;padding:.2rem .7rem;border-radius:.4rem;color:#fff;background:#b3001b}
-.verdict.good{background:#2e933c}table{border-collapse:collapse;margin:.6rem 0}
-td,th{padding:.25rem .8rem;border-bottom:1px solid #e3e7ea;text-align:right}
-td:first-child,th:first-child{text-align:left}img,video{max-width:100%}
-@media(max-width:40rem){body{margin:.5rem auto;font-size:16px}table{display:block;overflow-x:auto}
-td,th{padding:.25rem .4rem}.verdict{display:block}}
-code{background:#f1f3f5;padding:.1rem .3rem;border-radius:.2rem}.note{color:#5c6b78}
+_CSS = f"""
+body{{font:15px/1.5 {TEXT_FAMILY};color:{INK};max-width:60rem;margin:2rem auto;padding:0 1rem}}
+h1{{font-size:1.6rem;margin-bottom:.2rem}}h2{{font-size:1.1rem;margin-top:2rem}}
+.verdict{{display:inline-block;padding:.2rem .7rem;border-radius:.4rem;color:{PAPER};background:{BAD}}}
+.verdict.good{{background:{GOOD}}}table{{border-collapse:collapse;margin:.6rem 0}}
+td,th{{padding:.25rem .8rem;border-bottom:1px solid {GRID};text-align:right}}
+td:first-child,th:first-child{{text-align:left}}img,video{{max-width:100%}}
+@media(max-width:40rem){{body{{margin:.5rem auto;font-size:16px}}table{{display:block;overflow-x:auto}}
+td,th{{padding:.25rem .4rem}}.verdict{{display:block}}}}
+code{{background:{PANEL};padding:.1rem .3rem;border-radius:.2rem}}.note{{color:{NOTE}}}
 """
 
 

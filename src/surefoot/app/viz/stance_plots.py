@@ -6,12 +6,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from surefoot.app.viz.palette import OUTLINE_WIDTH
 from surefoot.app.viz.shapes import bones, cone_rim, ring
+from surefoot.app.viz.stance_scene import draw_bones, draw_labels, draw_surfaces
 from surefoot.app.viz.style import (
     BAD,
     FOOT_COLOURS,
     FORCE,
+    GOOD,
     INK,
     MUTED,
     blank_figure,
@@ -25,11 +29,15 @@ from surefoot.mechanics import Robot, Verdict
 from surefoot.mechanics.stance import Contact, Stance, StanceQuestion
 from surefoot.mechanics.statics.com_region import com_region, support_polygon
 from surefoot.mechanics.statics.region import Region, polygon_area
+from surefoot.records.identification.force_estimate import ForceEstimate
 
 COM, SUPPORT, ZMP = FOOT_COLOURS[0], FOOT_COLOURS[3], FOOT_COLOURS[4]
 
 
-def draw_check(question: StanceQuestion, verdict: Verdict, headline: str, path: Path) -> Path:
+def draw_check(
+    question: StanceQuestion, verdict: Verdict, headline: str, path: Path,
+    robot: Robot | None = None, q: FloatArray | None = None,
+) -> Path:  # fmt: skip
     """Draw a stance in space and from above, with its forces or the motion that proves that none will do.
 
     Parameters
@@ -42,6 +50,8 @@ def draw_check(question: StanceQuestion, verdict: Verdict, headline: str, path: 
         Written above.
     path
         New file.
+    robot, q
+        Who stands there and how (nq,), drawn as well; None for a stance alone.
     """
     figure = blank_figure((11.0, 5.4))
     with house_style():
@@ -49,32 +59,45 @@ def draw_check(question: StanceQuestion, verdict: Verdict, headline: str, path: 
         above = figure.add_subplot(1, 2, 2)
         region = com_region(question.stance, question.mass, external_wrench=question.external_wrench)
         _ground(space, question.stance, region, question.com)
-        _balance(space, verdict)
+        _balance(space, verdict, robot, q)
         _above(above, question, region, verdict)
-        colour = "#2e933c" if headline.startswith("possible") else BAD
+        colour = GOOD if headline.startswith("possible") else BAD
         figure.suptitle(f"{question.name}\n{headline}", color=colour, fontsize=10.5)
     return save(figure, path)
 
 
-def _balance(axis: Any, verdict: Verdict) -> None:
-    """Draw contacts, cones, centre of mass, and the forces or the proof in space."""
+def _balance(axis: Any, verdict: Verdict, robot: Robot | None = None, q: FloatArray | None = None) -> None:
+    """Draw contacts on their surfaces, cones, centre of mass, and the forces or the proof in space."""
     stance, com = verdict.stance, verdict.com
     size = _size(stance, com)
+    draw_surfaces(axis, stance, size)
+    if robot is not None:
+        draw_bones(axis, robot, robot.nominal if q is None else finite_array("q", q, robot.nominal.shape))
     for contact in stance:
         _cone(axis, contact, 0.28 * size)
     if verdict.feasible:
-        _forces(axis, stance, verdict, size)
+        _forces(axis, stance, verdict.by_contact(), size)
     elif verdict.certificate is not None:
         _falling(axis, stance, com, verdict, size)
     axis.scatter(*com, s=55, color=INK, depthshade=False)
     _frame(axis, stance, com, size)
 
 
-def draw_verdict(verdict: Verdict, axes: Any) -> None:
-    """Draw what holds a stance, or the motion that proves that nothing does; on plane axes from above."""
-    colour = "#2e933c" if verdict.feasible else BAD
+def draw_verdict(
+    verdict: Verdict, axes: Any, robot: Robot | None = None, q: FloatArray | None = None
+) -> None:
+    """Draw what holds a stance, or the motion that proves that nothing does; on plane axes from above.
+
+    Parameters
+    ----------
+    verdict, axes
+        What is drawn where.
+    robot, q
+        Who stands there and how (nq,), drawn in space as well; None for nobody, and for its nominal pose.
+    """
+    colour = GOOD if verdict.feasible else BAD
     if axes.name == "3d":
-        _balance(axes, verdict)
+        _balance(axes, verdict, robot, q)
     else:
         _fill(axes, support_polygon(verdict.stance), SUPPORT, "support polygon", filled=False)
         _feet(axes, verdict.stance)
@@ -86,20 +109,51 @@ def draw_verdict(verdict: Verdict, axes: Any) -> None:
     axes.set_title(f"{verdict.status}{margin}", color=colour)
 
 
-def draw_stance(stance: Stance, axes: Any) -> None:
-    """Draw the contacts with their cones, or from above on plane axes."""
+def draw_stance(stance: Stance, axes: Any, forces: ArrayLike | None = None) -> None:
+    """Draw the contacts with their cones, or from above on plane axes; with forces, these in place of names.
+
+    Parameters
+    ----------
+    stance, axes
+        What is drawn where.
+    forces
+        (n, 3) or (dim,) in contact frames [N, N m], as `surefoot.distribute` returns them.
+    """
+    carried = None if forces is None else _wrenches(stance, forces)
     if axes.name != "3d":
         _fill(axes, support_polygon(stance), SUPPORT, "support polygon", filled=False)
         _feet(axes, stance)
+        if carried is not None:
+            weight = max(float(sum(np.linalg.norm(force[:3]) for force in carried)), 1e-300)
+            _push_arrows(axes, stance, carried, 0.25 * _size(stance, stance.positions.mean(axis=0)) / weight)
         _finish(axes, f"{len(stance)} contacts from above")
         return
     middle = stance.positions.mean(axis=0) if len(stance) else np.zeros(3)
     size = _size(stance, middle)
+    draw_surfaces(axes, stance, size)
     for contact in stance:
         _cone(axes, contact, 0.28 * size)
-        axes.text(*contact.position, f" {contact.name.removesuffix('_foot')}", fontsize=7.5, color=INK)
+    if carried is None:
+        draw_labels(axes, stance, size, [(contact.name.removesuffix("_foot"), INK) for contact in stance])
+    else:
+        _forces(axes, stance, carried, size)
     _frame(axes, stance, middle, size)
     axes.set_title(f"{len(stance)} contacts")
+
+
+def draw_estimate(estimate: ForceEstimate, axes: Any) -> None:
+    """Draw the forces that explain a motion best, at the contacts that were taken to touch."""
+    draw_stance(estimate.stance, axes, estimate.stacked)
+    axes.set_title(f"lawful: {'yes' if estimate.lawful else 'no'}; explainable: {estimate.explainable}")
+
+
+def _wrenches(stance: Stance, forces: ArrayLike) -> list[FloatArray]:
+    """Return each contact's force or wrench, of forces a row a contact or stacked."""
+    given = np.asarray(forces, dtype=np.float64)
+    if given.shape == (len(stance), 3) and given.size != stance.dim:
+        return list(finite_array("forces", given, given.shape))
+    stacked = finite_array("forces", given.ravel(), (stance.dim,))
+    return [stacked[part] for part in stance.slices]
 
 
 def draw_region(region: Region, axes: Any) -> None:
@@ -171,22 +225,29 @@ def _sole(contact: Contact) -> FloatArray:
     return ring(np.array([c.position for c in contact.corners()]))  # type: ignore[attr-defined]
 
 
-def _forces(axis: Any, stance: Stance, verdict: Verdict, size: float) -> None:
+def _forces(axis: Any, stance: Stance, forces: list[FloatArray], size: float) -> None:
     """Draw contact forces as arrows, at the centres of pressure of soles, with the friction that they use."""
-    forces = verdict.by_contact()
     longest = max((float(np.linalg.norm(f[:3])) for f in forces), default=0.0)
+    labels = []
     for contact, force in zip(stance, forces, strict=True):
         R = contact.rotation_world_contact
         foot = contact.position
-        if contact.dim == 6 and force[2] > 0.0:
+        if len(force) == 6 and force[2] > 0.0:
             foot = foot + R @ np.array([-force[4] / force[2], force[3] / force[2], 0.0])
         arrow = R @ force[:3] * (0.5 * size / max(longest, 1e-300))
-        limit = contact.mu * float(force[2])
-        used = float(np.hypot(force[0], force[1])) / limit if limit > 0.0 else 0.0
+        used = _used(contact, force)
         colour = friction_colour(used)
         axis.quiver(*foot, *arrow, color=colour, lw=2.0, arrow_length_ratio=0.14)
-        label = f"{np.linalg.norm(force[:3]):.0f} N, {100.0 * used:.0f} %"
-        axis.text(*(foot + 1.12 * arrow), label, fontsize=7.5, color=colour, ha="center")
+        name = contact.name.removesuffix("_foot")
+        words = f"{name}\n{np.linalg.norm(force[:3]):.0f} N, {100.0 * used:.0f} %".strip()
+        labels.append((words, colour))
+    draw_labels(axis, stance, size, labels)
+
+
+def _used(contact: Contact, force: FloatArray) -> float:
+    """Return the share of its friction that a force of a contact uses."""
+    limit = contact.mu * float(force[2])
+    return float(np.hypot(force[0], force[1])) / limit if limit > 0.0 else 0.0
 
 
 def _falling(axis: Any, stance: Stance, com: FloatArray, verdict: Verdict, size: float) -> None:
@@ -200,7 +261,13 @@ def _falling(axis: Any, stance: Stance, com: FloatArray, verdict: Verdict, size:
     longest = float(np.linalg.norm(np.vstack([linear, moves]), axis=1).max(initial=1e-300))
     scale = 0.45 * size / longest
     axis.quiver(*com, *(scale * linear), color=BAD, lw=2.2, arrow_length_ratio=0.15)
-    axis.text(*(com + 1.1 * scale * linear), "proof", fontsize=8.5, color=BAD)
+    axis.text(
+        *(com + 1.15 * scale * linear + [0.0, 0.0, 0.06 * size]),
+        "proof",
+        fontsize=8.5,
+        color=BAD,
+        ha="center",
+    )
     for arm, move in zip(arms, moves, strict=True):
         if np.linalg.norm(scale * move) > 0.02 * size:
             axis.quiver(*(com + arm), *(scale * move), color=BAD, lw=1.1, alpha=0.7, arrow_length_ratio=0.2)
@@ -219,7 +286,7 @@ def _frame_around(axis: Any, points: FloatArray, size: float | None = None) -> N
         getattr(axis, f"set_{name}label")(f"{name} [m]", labelpad=-2)
         axis.locator_params(axis=name, nbins=4)
         axis.tick_params(axis=name, pad=-1, labelsize=7)
-    axis.set_box_aspect((1, 1, 1), zoom=1.0)
+    axis.set_box_aspect((1, 1, 1), zoom=1.1)
     axis.view_init(elev=20, azim=-62)
 
 
@@ -239,10 +306,16 @@ def _above(axis: Any, question: StanceQuestion, region: Region, verdict: Verdict
 def _pushes(axis: Any, verdict: Verdict) -> None:
     """Draw the horizontal parts of the forces as arrows; none where there are no forces."""
     share = 0.25 * _size(verdict.stance, verdict.com) / max(float(np.linalg.norm(verdict.load)), 1e-300)
-    for contact, force in zip(verdict.stance, verdict.by_contact(), strict=verdict.feasible):
+    _push_arrows(axis, verdict.stance, verdict.by_contact(), share)
+
+
+def _push_arrows(axis: Any, stance: Stance, forces: list[FloatArray], share: float) -> None:
+    """Draw horizontal parts of forces, so much of a metre a newton; of no forces none."""
+    for contact, force in zip(stance, forces, strict=bool(forces)):
         world = contact.rotation_world_contact @ force[:3]
         if np.linalg.norm(world[:2]) * share > 1e-4:
-            start, arrow = contact.position[:2], {"arrowstyle": "->", "color": FORCE}
+            colour = friction_colour(_used(contact, force))
+            start, arrow = contact.position[:2], {"arrowstyle": "->", "color": colour, "lw": OUTLINE_WIDTH}
             axis.annotate("", start + 2.0 * share * world[:2], start, arrowprops=arrow)
 
 

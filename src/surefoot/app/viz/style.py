@@ -10,43 +10,45 @@ from typing import Any
 
 import numpy as np
 
+from surefoot.app.viz import palette
+from surefoot.app.viz.palette import BAD, FORCE, GOOD, GROUND, INK, MUTED, WARN, blend
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import needs
 
-FOOT_COLOURS = ("#1b6ca8", "#d1495b", "#2e933c", "#e08e0b", "#6f4e9b", "#00798c", "#8d5524", "#5c5c5c")
-INK, MUTED, GROUND, FORCE, BAD = "#22303c", "#8a99a6", "#e8e4da", "#d1495b", "#b3001b"
+__all__ = [
+    "BAD", "FOOT_COLOURS", "FORCE", "GOOD", "GROUND", "INK", "MUTED", "WARN", "at_least", "blank_figure",
+    "draw_columns", "draw_foot_bars", "draw_friction_circle", "draw_panels", "fill_grid", "friction_colour",
+    "house_style", "most_of", "new_axis", "new_figure", "new_grid", "new_panels", "save",
+]  # fmt: skip
+
+FOOT_COLOURS = palette.LINES
 
 _STYLE = {
-    "font.size": 9,
+    "font.size": palette.TEXT_SIZE,
     "axes.edgecolor": MUTED,
     "axes.labelcolor": INK,
-    "axes.titlesize": 10,
+    "axes.titlesize": palette.TITLE_SIZE,
     "axes.titlecolor": INK,
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.grid": True,
-    "grid.color": "#e3e7ea",
-    "grid.linewidth": 0.6,
+    "grid.color": palette.GRID,
+    "grid.linewidth": palette.HAIR_WIDTH,
     "xtick.color": MUTED,
     "ytick.color": MUTED,
     "text.color": INK,
     "legend.frameon": False,
-    "lines.linewidth": 1.3,
-    "figure.facecolor": "white",
-    "savefig.facecolor": "white",
+    "lines.linewidth": palette.CURVE_WIDTH,
+    "figure.facecolor": palette.PAPER,
+    "savefig.facecolor": palette.PAPER,
 }
-
-
-_EASY, _HARD = (46, 147, 60), (224, 142, 11)
 
 
 def friction_colour(share: float) -> str:
     """Return the colour of a force that uses so much of its friction: green, orange, red at the border."""
     if share >= LEAST_SLIDING:
         return BAD
-    part = min(max(share, 0.0), 1.0)
-    mixed = (round((1.0 - part) * easy + part * hard) for easy, hard in zip(_EASY, _HARD, strict=True))
-    return "#{:02x}{:02x}{:02x}".format(*mixed)
+    return blend(GOOD, WARN, share)
 
 
 LEAST_SLIDING = 0.999

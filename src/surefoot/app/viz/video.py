@@ -6,13 +6,16 @@ needs an OpenGL that works without a screen (EGL or OSMesa); `Renderer` says in 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from surefoot.app.viz import palette
 from surefoot.app.viz.meshes import add_meshes
+from surefoot.app.viz.palette import rgba
 from surefoot.app.viz.shapes import bones, cone_rim
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import SurefootError, one_line
@@ -24,17 +27,23 @@ from surefoot.worlds.mujoco.mujoco_world import add_ground, import_mujoco, robot
 WIDTH, HEIGHT = 1280, 720
 ARROW_LENGTH = 1.2
 """Length of the arrow of a force of m g, in base heights."""
-FORCE_COLOUR, PUSH_COLOUR = (0.82, 0.29, 0.36, 1.0), (0.9, 0.6, 0.05, 1.0)
+FORCE_COLOUR, PUSH_COLOUR = rgba(palette.FORCE), rgba(palette.PUSH)
 
 BONE_COLOUR = (0.25, 0.28, 0.32, 1.0)
 LIGHTEST = 1e-6
 """Mass [kg] and inertia [kg m2] of a link that has none, in a model that is only drawn."""
 POINT_SIZE = 0.012
 """Radius of the ball that stands for a foot without one [m]."""
-BONE_WIDTH = 5.0
-"""Of a bone over that of another line."""
-CONE_COLOUR = (0.11, 0.42, 0.66, 0.55)
+ARROW_WIDTH, BONE_WIDTH = 0.03, 0.0225
+"""Of the shafts of arrows and of bones, in base heights."""
+LINE_WIDTH = 0.0025
+"""Of other lines, as a share of the picture's height: lines have no shadow."""
+CONE_COLOUR = rgba(palette.CONE, 0.55)
 EDGE_COLOUR = (0.35, 0.33, 0.3, 1.0)
+SUN, SUN_RADIUS, SUNLIGHT = np.array([1.0, -1.5, 4.0]), 0.2, 0.45
+"""Place of the light from what the camera looks at, its radius [m], and its strength."""
+LAG = 0.3
+"""Time in which camera and light make up for 63 % of their distance to the robot [s]."""
 
 Arrow: TypeAlias = tuple[FloatArray, FloatArray, tuple[float, ...]]
 """Start and vector in world axes [m], colour (red, green, blue, opacity)."""
@@ -54,12 +63,14 @@ class Renderer:
     width, height
         Size of a frame [pixels].
     fine
-        Whether to draw shadows and smooth edges, at ten times the cost.
+        Whether to draw smooth edges and softer shadows, at five times the cost.
 
     Attributes
     ----------
     size
         Height of the base, which arrows and the camera go by [m].
+    focus
+        (3,) what camera and light are at [m]; None before the first picture.
 
     Raises
     ------
@@ -71,7 +82,7 @@ class Renderer:
         self, robot: Robot, terrain: Terrain, width: int = WIDTH, height: int = HEIGHT, fine: bool = False
     ) -> None:
         mujoco = self._mujoco = import_mujoco()
-        spec = drawn_spec(robot, terrain, width, height, 8 if fine else 0)
+        spec = drawn_spec(robot, terrain, width, height, FINE if fine else QUICK)
         self.robot = robot
         try:
             self.model = spec.compile()
@@ -86,20 +97,38 @@ class Renderer:
             raise RenderError(f"no pictures: MuJoCo found no OpenGL to draw with ({reason:.120})") from error
         scene = self._renderer.scene
         scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = 0
-        scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = int(fine)
+        scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = 1
         self._camera = mujoco.MjvCamera()
+        self._height = height
+        self._lights = np.array(self.model.light_pos)
+        self.focus: FloatArray | None = None
         self.size = float(robot.nominal[2]) if robot.floating else 0.5
         self._camera.distance = 4.2 * self.size
         self._camera.azimuth, self._camera.elevation = 140.0, -14.0
 
-    def frame(self, q: FloatArray, arrows: list[Arrow], lines: Sequence[Arrow] = ()) -> Any:
-        """Return the picture (height, width, 3) of a configuration (nq,) [m, -, rad], arrows and lines."""
+    def frame(
+        self, q: FloatArray, arrows: list[Arrow], lines: Sequence[Arrow] = (), elapsed: float = math.inf
+    ) -> Any:
+        """Return the picture (height, width, 3) of a configuration, arrows and lines.
+
+        Parameters
+        ----------
+        q
+            (nq,) [m, -, rad].
+        arrows, lines
+            Drawn beside the robot.
+        elapsed
+            Since the last picture [s], which camera and light follow with a lag; without it they are there.
+        """
         self.data.qpos[:] = q
         if self.robot.floating:
             self.data.qpos[3:7] = quaternion_wxyz(q[3:7])
+        self._mujoco.mj_kinematics(self.model, self.data)
+        middle = np.array(q[:3]) if self.robot.floating else self.data.xpos[1:].mean(axis=0)
+        self.focus = middle if self.focus is None else follow(self.focus, middle, elapsed)
+        self.model.light_pos[:] = self._lights + self.focus
         self._mujoco.mj_forward(self.model, self.data)
-        middle = q[:3] if self.robot.floating else self.data.xpos[1:].mean(axis=0)
-        self._camera.lookat[:] = middle - [0.0, 0.0, 0.45 * self.size]
+        self._camera.lookat[:] = self.focus - [0.0, 0.0, 0.45 * self.size]
         self._renderer.update_scene(self.data, self._camera)
         ends = np.zeros((0, 2, 3)) if self.robot.visual.ngeoms else bones(self.robot, q)
         sticks = [(a, b - a, BONE_COLOUR) for a, b in ends]
@@ -113,8 +142,13 @@ class Renderer:
         if scene.ngeom >= scene.maxgeom or float(np.linalg.norm(vector)) < 1e-3 * self.size:
             return
         geom = scene.geoms[scene.ngeom]
-        kind = mujoco.mjtGeom.mjGEOM_CAPSULE if line else mujoco.mjtGeom.mjGEOM_ARROW
-        width = (0.0045 if line else 0.03) * (BONE_WIDTH if colour == BONE_COLOUR else 1.0) * self.size
+        kinds = mujoco.mjtGeom
+        if not line:
+            kind, width = kinds.mjGEOM_ARROW, ARROW_WIDTH * self.size
+        elif colour == BONE_COLOUR:
+            kind, width = kinds.mjGEOM_CAPSULE, BONE_WIDTH * self.size
+        else:
+            kind, width = kinds.mjGEOM_LINE, max(1.0, LINE_WIDTH * self._height)  # pixels
         shade = np.array(colour, np.float32)
         mujoco.mjv_initGeom(geom, kind, np.zeros(3), np.zeros(3), np.eye(3).ravel(), shade)
         length = 1.0 if line else 2.0  # MuJoCo draws an arrow half as long as its connector
@@ -126,22 +160,44 @@ class Renderer:
         self._renderer.close()
 
 
+def follow(focus: FloatArray, place: FloatArray, elapsed: float) -> FloatArray:
+    """Return where a focus is that follows a place with the lag `LAG`, so many seconds [s] later (3,) [m]."""
+    return np.asarray(place + math.exp(-elapsed / LAG) * (focus - place))
+
+
+class PictureQuality(NamedTuple):
+    """What pictures cost: samples of each pixel, lights beside each other, points along a shadow's map.
+
+    Each light's shadow is sharp: their sum is soft at its border.
+    """
+
+    samples: int
+    lights: int
+    shadow_points: int
+
+
+QUICK, FINE = PictureQuality(0, 2, 2048), PictureQuality(4, 5, 4096)
+"""Of films, and of single pictures."""
+
+
 def drawn_spec(
-    robot: Robot, terrain: Terrain, width: int = WIDTH, height: int = HEIGHT, samples: int = 0
-) -> Any:
+    robot: Robot, terrain: Terrain, width: int = WIDTH, height: int = HEIGHT,
+    quality: PictureQuality = QUICK,
+) -> Any:  # fmt: skip
     """Return an MjSpec of a robot with its meshes on its terrain, in light: to be drawn, not simulated.
 
     Parameters
     ----------
     robot, terrain
         Who and on what.
-    width, height, samples
-        Of pictures that are drawn off screen: size [pixels], and samples of each pixel.
+    width, height, quality
+        Of pictures that are drawn off screen: size [pixels], and what they cost.
     """
     mujoco, spec = import_mujoco(), robot_spec(robot)
     add_ground(spec, terrain, 1.0)
     add_meshes(spec, robot)
-    _add_light(mujoco, spec, width, height, samples)
+    spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
+    _add_light(mujoco, spec, quality)
     spec.stat.extent = 3.0  # what is drawn lies between 0.01 and 50 times this from the camera [m]
     for geom in spec.geoms:  # a foot that is a point is drawn as a small ball
         if geom.type == mujoco.mjtGeom.mjGEOM_SPHERE and geom.size[0] <= 0.0:
@@ -150,13 +206,20 @@ def drawn_spec(
     return spec
 
 
-def _add_light(mujoco: Any, spec: Any, width: int, height: int, samples: int) -> None:
+def _add_light(mujoco: Any, spec: Any, quality: PictureQuality) -> None:
     """Add light, sky and a checked ground."""
-    spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
-    spec.visual.quality.offsamples = samples
-    spec.visual.headlight.ambient = [0.45, 0.45, 0.45]
-    spec.visual.headlight.diffuse = [0.35, 0.35, 0.35]
-    spec.worldbody.add_light(pos=[1.0, -1.5, 4.0], dir=[-0.2, 0.3, -1.0], diffuse=[0.5, 0.5, 0.5])
+    spec.visual.quality.offsamples = quality.samples
+    spec.visual.quality.shadowsize = quality.shadow_points
+    spec.visual.headlight.ambient = [0.42, 0.42, 0.42]
+    spec.visual.headlight.diffuse = [0.30, 0.30, 0.30]
+    spec.visual.headlight.specular = [0.05, 0.05, 0.05]
+    for k in range(quality.lights):  # from all sides of one place above: a sun that is not a point
+        angle = 2.0 * math.pi * k / quality.lights
+        aside = SUN_RADIUS * np.array([math.cos(angle), math.sin(angle), 0.0])
+        spec.worldbody.add_light(
+            pos=SUN + aside, dir=-(SUN + aside), diffuse=[SUNLIGHT / quality.lights] * 3,
+            specular=[0.1 / quality.lights] * 3, type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        )  # fmt: skip
     spec.add_texture(
         name="sky", type=mujoco.mjtTexture.mjTEXTURE_SKYBOX, builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
         rgb1=[0.93, 0.95, 0.97], rgb2=[0.74, 0.80, 0.86], width=64, height=64,

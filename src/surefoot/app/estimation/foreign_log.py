@@ -1,0 +1,277 @@
+"""What a stranger's log means for a robot: order of its joints and feet, units, speeds; each guess is told.
+
+Names decide where they are known. Whether they tell the truth, and what the order is where there are none,
+the feet decide: those that stand at the same time are points of one rigid floor, so that -(ω x p + ṗ) of each
+is the velocity of the same body. Swapped sides, or columns in another order, break that at once.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from itertools import permutations
+from typing import NamedTuple
+
+import numpy as np
+
+from surefoot.base.arrays import BoolArray, FloatArray, IntArray
+from surefoot.base.errors import ProblemError
+from surefoot.mechanics import Robot
+from surefoot.records import Log
+
+PARTS = {
+    "haa": "hip", "abad": "hip", "abduction": "hip", "hfe": "thigh", "kfe": "calf", "knee": "calf",
+    "0": "hip", "1": "thigh", "2": "calf",
+}  # fmt: skip
+LEGS = {"lf": "fl", "rf": "fr", "lh": "rl", "rh": "rr", "hl": "rl", "hr": "rr"}
+"""Other words for parts and legs, in lower case; parts may be numbered from the body."""
+TURN = 7.0
+"""Largest angle [rad] of a joint: a larger one is in degrees."""
+FASTEST = 35.0
+"""Largest turn rate [rad/s] of an IMU's range, 2000 °/s: a larger one is in degrees per second."""
+HEAVY = (0.5, 2.0)
+"""Mean specific force [g] that is told in g and not in m/s²."""
+LOOKED = 200
+"""Moments at which orders are compared."""
+BETTER = 0.7
+"""Share of the named order's misfit that another order must have to be taken instead."""
+
+
+class ForeignLog(NamedTuple):
+    """Readings in the robot's order and in SI units.
+
+    Attributes
+    ----------
+    time
+        (T,) [s].
+    gyro, accelerometer
+        (T, 3) [rad/s], [m/s²], base axes.
+    joints, speeds
+        (T, joints) [rad], [rad/s].
+    torques
+        (T, joints) [N m]; None if the log has none.
+    contact
+        (T, n) which feet touch.
+    told
+        What was guessed, a line each.
+    """
+
+    time: FloatArray
+    gyro: FloatArray
+    accelerometer: FloatArray
+    joints: FloatArray
+    speeds: FloatArray
+    torques: FloatArray | None
+    contact: BoolArray
+    told: tuple[str, ...]
+
+
+def read_foreign(log: Log, robot: Robot, contact: BoolArray | None, names: Sequence[str]) -> ForeignLog:
+    """Return a log's readings in the robot's order.
+
+    Parameters
+    ----------
+    log
+        With time, both channels of the IMU and the joints' positions.
+    robot
+        Whose log it is.
+    contact, names
+        (T, n) which feet touch by the log, and their names there; None where it does not tell.
+
+    Raises
+    ------
+    ProblemError
+        If a channel is missing, or the joints are not as many as the robot's.
+    """
+    for name in ("time", "imu_angular_velocity", "imu_acceleration"):
+        if name not in log:
+            have = ", ".join(log.arrays)
+            raise ProblemError(f"a state estimate needs the channel {name}; the log has {have}")
+    angles = log["joint_positions"] if "joint_positions" in log else log["q"][:, 7:] if "q" in log else None
+    if angles is None:
+        have = ", ".join(log.arrays)
+        raise ProblemError(f"a state estimate needs joint_positions or q; the log has {have}")
+    told: list[str] = []
+    kept = _moving(angles, robot, told)
+    time, gyro, force, joints = (
+        np.array(part, dtype=np.float64)
+        for part in (log["time"], log["imu_angular_velocity"], log["imu_acceleration"], angles[:, kept])
+    )
+    units = _si(gyro, force, joints, told)
+    legs = _legs(robot)
+    order, feet = _order(log, robot, (time, gyro, joints), contact, names, legs, told)
+    joints = joints[:, order]
+    speeds = _speeds(log, time, joints, kept[order], units, told)
+    torques = np.asarray(log["torques"])[:, kept[order]] if "torques" in log else None
+    if contact is None:
+        contact = _lowest(robot, time, force, joints)
+        told.append("no contacts in the log: feet within 1 cm of the lowest are taken to touch")
+    else:
+        contact = contact[:, feet]
+    return ForeignLog(time, gyro, force, joints, speeds, torques, contact, tuple(told))
+
+
+def _moving(angles: FloatArray, robot: Robot, told: list[str]) -> IntArray:
+    """Return which columns are joints of the robot: all, or where they are too many, those that change."""
+    count = angles.shape[1]
+    if count == robot.joints:
+        return np.arange(count)
+    moved = np.flatnonzero((angles != angles[:1]).any(axis=0))
+    if count < robot.joints or len(moved) != robot.joints:
+        raise ProblemError(f"{robot.name} has {robot.joints} joints, the log has {count}")
+    left = ", ".join(str(k + 1) for k in np.setdiff1d(np.arange(count), moved))
+    told.append(
+        f"columns {left} of the joints never change and are left out: {robot.name} has no such joints"
+    )
+    return moved
+
+
+def _si(gyro: FloatArray, force: FloatArray, joints: FloatArray, told: list[str]) -> float:
+    """Turn readings into SI units in place; return the factor of the joints."""
+    factor = 1.0
+    if np.abs(joints).max() > TURN:
+        factor = float(np.pi / 180.0)
+        joints *= factor
+        told.append("joint angles are in degrees: they go beyond 7")
+    if np.abs(gyro).max() > FASTEST:
+        gyro *= np.pi / 180.0
+        told.append("turn rates are in degrees per second: they go beyond 35")
+    size = float(np.median(np.linalg.norm(force, axis=1)))
+    if HEAVY[0] < size < HEAVY[1]:
+        force *= 9.80665
+        told.append(f"specific forces are in g: {size:.2f} in the middle")
+    return factor
+
+
+def _speeds(
+    log: Log, time: FloatArray, joints: FloatArray, order: IntArray, factor: float, told: list[str]
+) -> FloatArray:
+    """Return the joints' speeds (T, joints)."""
+    if "joint_velocities" in log:
+        return np.asarray(log["joint_velocities"], dtype=np.float64)[:, order] * factor
+    if "v" in log:
+        return np.asarray(log["v"], dtype=np.float64)[:, 6:][:, order] * factor
+    told.append("joint speeds are differences of the angles")
+    return np.asarray(np.gradient(joints, time, axis=0))
+
+
+def _plain(name: str) -> str:
+    """Return a joint's or foot's name in words that robots share."""
+    words = [w for w in re.findall(r"[a-z]+|\d+", name.lower()) if w not in ("joint", "foot", "leg", "toe")]
+    return "_".join(LEGS.get(w, PARTS.get(w, w)) for w in words)
+
+
+def _legs(robot: Robot) -> list[list[int]]:
+    """Return the joints between the base and each foot."""
+    model, out = robot.model, []
+    for foot in robot.feet:
+        joint, chain = int(model.frames[foot.frame].parentJoint), []
+        while joint > 1:
+            chain.append(int(model.joints[joint].idx_q) - 7)
+            joint = int(model.parents[joint])
+        out.append(chain[::-1])
+    return out
+
+
+def _order(
+    log: Log, robot: Robot, readings: tuple[FloatArray, FloatArray, FloatArray], contact: BoolArray | None,
+    names: Sequence[str], legs: list[list[int]], told: list[str],
+) -> tuple[IntArray, IntArray]:  # fmt: skip
+    """Return where the robot's joints and feet are in the log: (joints,) and (n,)."""
+    joints, feet = np.arange(robot.joints), np.arange(len(robot.feet))
+    own = [_plain(name) for name in robot.joint_names]
+    given = [_plain(str(name)) for name in log.facts.get("joints", ())]
+    named = sorted(given) == sorted(own)
+    if named:
+        joints = np.array([given.index(name) for name in own])
+    mine, theirs = [_plain(foot.name) for foot in robot.feet], [_plain(str(name)) for name in names]
+    known = sorted(mine) == sorted(theirs)
+    if known:
+        feet = np.array([theirs.index(name) for name in mine])
+    alike = len({len(leg) for leg in legs}) == 1 and sum(map(len, legs)) == robot.joints
+    if contact is None or not alike:
+        if not named:
+            told.append("joints are taken in the robot's order: the log does not name them as the robot does")
+        return joints, feet
+    compare = _Misfit(robot, *readings, contact)
+    best = compare(joints, feet)
+    chosen, how = (joints, feet), ""
+    for order, seats, words in _orders(legs, joints, None if known else feet, named):
+        seats = feet if seats is None else seats
+        misfit = compare(order, seats)
+        if misfit < (BETTER if named else 0.999) * best:
+            best, chosen, how = misfit, (order, seats), words
+    if how and named:
+        told.append(f"{how}, against their names: standing feet then move as one body ({best:.3f} m/s rms)")
+    elif not named:
+        told.append(f"joints are ordered by best fit, {how or 'as the robot has them'}: {best:.3f} m/s rms")
+    return chosen
+
+
+def _orders(
+    legs: list[list[int]], joints: IntArray, feet: IntArray | None, named: bool
+) -> Iterator[tuple[IntArray, IntArray | None, str]]:
+    """Yield other orders of joints, of feet (None: those are known), and a sentence on each."""
+    n = len(legs)
+    for seats in permutations(range(n)):
+        words = f"legs in the order {', '.join(str(s + 1) for s in seats)} of the robot's"
+        other = None if feet is None else feet[list(seats)]
+        moved = np.empty_like(joints)
+        for leg, seat in enumerate(seats):
+            moved[legs[leg]] = joints[legs[seat]]
+        if seats != tuple(range(n)):
+            yield moved, other, words
+        if not named:
+            wide = np.empty_like(joints)  # joint by joint: all hips, then all thighs, ...
+            for leg, seat in enumerate(seats):
+                for part, joint in enumerate(legs[leg]):
+                    wide[joint] = part * n + seat
+            yield wide, other, f"joint by joint, {words}"
+
+
+class _Misfit:
+    """Disagreement of standing feet about the body's velocity, for an order of joints and feet."""
+
+    def __init__(
+        self, robot: Robot, time: FloatArray, gyro: FloatArray, joints: FloatArray, contact: BoolArray
+    ) -> None:
+        step, half = float(np.median(np.diff(time))), max(1, round(0.005 / float(np.median(np.diff(time)))))
+        moving = np.flatnonzero((contact.sum(axis=1) >= 2) & (np.abs(gyro).max(axis=1) > 0.1))
+        moving = moving[(moving >= half) & (moving < len(time) - half)]
+        if len(moving) == 0:
+            moving = np.arange(half, len(time) - half)
+        rows = moving[np.linspace(0, len(moving) - 1, min(LOOKED, len(moving))).astype(int)]
+        self._robot, self._rows, self._half, self._span = robot, rows, half, 2.0 * half * step
+        self._gyro, self._joints, self._contact = gyro[rows], joints, contact[rows]
+
+    def __call__(self, order: IntArray, feet: IntArray) -> float:
+        """Return the root mean square over feet and moments [m/s]."""
+        places = [self._places(self._joints[self._rows + s][:, order]) for s in (-self._half, self._half)]
+        middle = 0.5 * (places[0] + places[1])
+        velocity = np.cross(self._gyro[:, None], middle) + (places[1] - places[0]) / self._span
+        on = self._contact[:, feet][:, :, None]
+        count = np.maximum(on.sum(axis=1, keepdims=True), 1)
+        mean = (velocity * on).sum(axis=1, keepdims=True) / count
+        return float(np.sqrt(np.median((((velocity - mean) ** 2) * on).sum(axis=(1, 2)) / count[:, 0, 0])))
+
+    def _places(self, joints: FloatArray) -> FloatArray:
+        q, out = self._robot.nominal.copy(), np.empty((len(joints), len(self._robot.feet), 3))
+        q[:3], q[3:7] = 0.0, [0.0, 0.0, 0.0, 1.0]
+        for k, row in enumerate(joints):
+            q[7:] = row
+            out[k] = self._robot.foot_positions(q)
+        return out
+
+
+def _lowest(robot: Robot, time: FloatArray, force: FloatArray, joints: FloatArray) -> BoolArray:
+    """Return which feet (T, n) are within 1 cm of the lowest, along the mean specific force of a second."""
+    width = min(len(time), max(1, round(1.0 / float(np.median(np.diff(time))))))
+    kernel = np.ones(width) / width
+    up = np.stack([np.convolve(force[:, k], kernel, mode="same") for k in range(3)], axis=1)
+    up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-9)
+    q, heights = robot.nominal.copy(), np.empty((len(joints), len(robot.feet)))
+    q[:3], q[3:7] = 0.0, [0.0, 0.0, 0.0, 1.0]
+    for t, row in enumerate(joints):
+        q[7:] = row
+        heights[t] = robot.foot_positions(q) @ up[t]
+    return np.asarray(heights < heights.min(axis=1, keepdims=True) + 0.01)

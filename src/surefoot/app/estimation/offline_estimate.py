@@ -1,0 +1,145 @@
+"""State of a robot from a log that somebody else wrote, in one call."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from surefoot.app.estimation.foreign_log import ForeignLog, read_foreign
+from surefoot.base.arrays import BoolArray, FloatArray, of_kind
+from surefoot.base.errors import ProblemError
+from surefoot.mechanics import FlatTerrain, Robot, Terrain, load_robot
+from surefoot.motion.estimation.inekf import FilterNoise
+from surefoot.motion.estimation.inekf_robot import InvariantEkf
+from surefoot.records import Log, read_log
+from surefoot.records.audit.contact_times import contact_times
+from surefoot.records.identification.foot_friction import friction_of_walk
+
+BEGIN = 20
+"""Rows whose mean specific force tells the tilt at the start."""
+KEPT = ("torques", "torques_commanded", "foot_sensors", "planned")
+"""Channels of the log that are kept, those of joints in the robot's order."""
+
+
+def estimate_state(
+    log: Log | str | Path,
+    robot: Robot | str,
+    *,
+    ground: Terrain | None = None,
+    noise: FilterNoise | None = None,
+) -> Log:
+    """Return the log of a robot's estimated state, contacts and trust from its IMU, encoders and feet.
+
+    Parameters
+    ----------
+    log
+        With time, ``imu_angular_velocity``, ``imu_acceleration`` and ``joint_positions`` (or ``q``), or a
+        file of it; ``foot_sensors`` or ``forces`` tell the contacts. Units, order of joints and swapped
+        sides are found; what was guessed stands in the fact ``computed``.
+    robot
+        Whose log it is, or its name.
+    ground
+        Map of the ground; None for a level floor at the height on which the feet stand first.
+    noise
+        Beliefs about sensors and feet; None for their defaults.
+
+    Returns
+    -------
+    Log
+        q and v (Pinocchio's order), ``contact_estimated``, ``innovations`` and ``trusted``; reasons for doubt
+        stand in the fact ``computed``, and the friction under each foot where the log has torques.
+
+    Raises
+    ------
+    ProblemError
+        If the log lacks a channel, has fewer than a second, or other joints than the robot.
+
+    Examples
+    --------
+    >>> robot, rows = load_robot("go2"), 500
+    >>> log = Log({
+    ...     "time": 0.002 * np.arange(rows), "imu_angular_velocity": np.zeros((rows, 3)),
+    ...     "imu_acceleration": np.tile([0.0, 0.0, 9.81], (rows, 1)),
+    ...     "joint_positions": np.tile(robot.nominal[7:], (rows, 1)),
+    ... }, {"joints": list(robot.joint_names)})
+    >>> found = estimate_state(log, robot)
+    >>> bool(abs(found["q"][-1] - robot.nominal).max() < 0.01), bool(found["trusted"].all())
+    (True, True)
+    """
+    log = read_log(log) if isinstance(log, (str, Path)) else log
+    robot = load_robot(robot) if isinstance(robot, str) else robot
+    of_kind("log", log, Log)
+    of_kind("robot", robot, Robot)
+    if not robot.floating or not robot.feet:
+        raise ProblemError(f"a state estimate needs a floating base with feet; {robot.name} has no such")
+    contact: BoolArray | None = None
+    names: list[str] = []
+    if "foot_sensors" in log or "forces" in log:
+        times = contact_times(log)
+        contact, names = times.contacts, [foot.name for foot in times.feet]
+        if contact.shape[1] != len(robot.feet):
+            raise ProblemError(f"{robot.name} has {len(robot.feet)} feet, the log has {contact.shape[1]}")
+    given = read_foreign(log, robot, contact, names)
+    if len(given.time) < 2 * BEGIN or not given.time[-1] - given.time[0] > 0.9:
+        raise ProblemError("a state estimate needs a second of a log, and a time in seconds")
+    arrays, doubts = _run_filter(given, robot, FlatTerrain() if ground is None else ground, noise)
+    told = [*given.told, "start: feet in contact stand on the ground, heading and place are zero"]
+    if ground is None:
+        told.append("the floor is taken to be level")
+    arrays |= {name: np.asarray(log[name]) for name in KEPT[2:] if name in log}
+    if given.torques is not None:
+        arrays["torques"] = given.torques
+    facts: dict[str, Any] = {
+        "robot": robot.name, "dt": float(np.median(np.diff(given.time))), "mass": robot.mass,
+        "feet": [foot.name for foot in robot.feet], "joints": list(robot.joint_names),
+        "computed": [*told, *doubts],
+    }  # fmt: skip
+    found = Log(arrays, facts)
+    if given.torques is not None and np.isfinite(given.torques).all() and given.torques.any():
+        feet = friction_of_walk(robot, found, np.asarray(arrays["trusted"]))
+        facts["computed"] = [*told, *map(str, feet), *doubts]
+        found = Log(arrays, facts)
+    return found
+
+
+def _run_filter(
+    given: ForeignLog, robot: Robot, ground: Terrain, noise: FilterNoise | None
+) -> tuple[dict[str, Any], list[str]]:
+    """Return the channels of the estimate, and a line for each reason for doubt."""
+    rows, dt = len(given.time), float(np.median(np.diff(given.time)))
+    ekf = InvariantEkf(robot, dt, noise, ground)
+    ekf.reset(_start(given, robot, ground))
+    q, v = np.empty((rows, robot.model.nq)), np.empty((rows, robot.model.nv))
+    innovations, trusted = np.zeros((rows, len(robot.feet))), np.ones(rows, dtype=bool)
+    reasons: dict[str, tuple[float, int]] = {}
+    for t in range(rows):
+        if t:
+            ekf.predict(given.gyro[t], given.accelerometer[t])
+        ekf.update(given.joints[t], given.speeds[t], given.contact[t])
+        q[t], v[t] = ekf.q_v()
+        innovations[t], trusted[t] = ekf.filter.distances / 3.0, ekf.trust.good
+        if not trusted[t]:
+            first, count = reasons.get(ekf.trust.reason, (float(given.time[t]), 0))
+            reasons[ekf.trust.reason] = (first, count + 1)
+    doubts = [f"doubted from {first:.2f} s on, {n} rows: {why}" for why, (first, n) in reasons.items()]
+    return {
+        "time": given.time, "q": q, "v": v, "contact_estimated": given.contact, "trusted": trusted,
+        "innovations": innovations, "imu_acceleration": given.accelerometer,
+        "imu_angular_velocity": given.gyro,
+    }, doubts  # fmt: skip
+
+
+def _start(given: ForeignLog, robot: Robot, ground: Terrain) -> FloatArray:
+    """Return q (nq,) at the first row: upright by the specific force, feet in contact on the ground."""
+    x, y, z = given.accelerometer[:BEGIN].mean(axis=0)
+    q = robot.nominal.copy()
+    turn = Rotation.from_euler("ZYX", [0.0, float(np.arctan2(-x, np.hypot(y, z))), float(np.arctan2(y, z))])
+    q[:3], q[3:7], q[7:] = 0.0, turn.as_quat(), given.joints[0]
+    centres = robot.foot_positions(q)
+    above = centres[:, 2] - robot.contact_points.foot_radii - [ground.height(c[:2]) for c in centres]
+    stands = given.contact[0] if given.contact[0].any() else np.ones(len(centres), dtype=bool)
+    q[2] -= float(np.mean(above[stands]))
+    return q
