@@ -1,4 +1,4 @@
-"""How many seeded faults an audit finds, and how often it cries wolf: the table of docs/audit.md.
+"""How many seeded faults an audit finds, and how often it cries wolf: the table of docs/reports/audit.md.
 
 Run: python -m benchmarks.audit [--clean 100] [--json]. A fault counts as
 found if the first symptom that the audit tells of it has the right name, the right foot, and begins and ends

@@ -77,7 +77,7 @@ class GymnasiumRun:
 def assets(folder: Path | None) -> Path | str:
     """Return the folder of gymnasium's models, or why there is none."""
     if folder is not None:
-        lacking = [e.name for e in ENVIRONMENTS if _file(folder, e) is None]
+        lacking = [e.name for e in ENVIRONMENTS if model_file(folder, e) is None]
         return f"{folder} has no model of {', '.join(lacking)}" if lacking else folder
     found = find_spec("gymnasium")
     if found is None or found.origin is None:
@@ -85,7 +85,8 @@ def assets(folder: Path | None) -> Path | str:
     return assets(Path(found.origin).parent / "envs" / "mujoco" / "assets")
 
 
-def _file(folder: Path, one: Environment) -> Path | None:
+def model_file(folder: Path, one: Environment) -> Path | None:
+    """Return the file of a model in a folder, None where there is none."""
     return next((folder / name for name in one.files if (folder / name).is_file()), None)
 
 
@@ -105,7 +106,7 @@ def measure(folder: Path, quick: bool = False) -> Iterator[GymnasiumRun]:
 def _recorded(folder: Path, one: Environment, size: float, steps: int, seed: int) -> sf.Log:
     """Return the log of a run."""
     mujoco, rng = import_mujoco(), np.random.default_rng(seed)
-    model: Any = mujoco.MjModel.from_xml_path(str(_file(folder, one)))
+    model: Any = mujoco.MjModel.from_xml_path(str(model_file(folder, one)))
     data = mujoco.MjData(model)
     data.qpos[:] += rng.uniform(-one.noise[0], one.noise[0], model.nq)
     data.qvel[:] += rng.normal(size=model.nv) * one.noise[1]

@@ -1,4 +1,4 @@
-"""How often the 95 % intervals of `surefoot identify` hold the truth: the table of docs/identify.md.
+"""How often the 95 % intervals of `surefoot identify` hold the truth: a table of docs/reports/.
 
 Run: python -m benchmarks.identify_coverage [--sets 100] [--tosses 64] [--first 1000] [--out FILE]
 [--json]. A set

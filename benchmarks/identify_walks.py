@@ -1,4 +1,4 @@
-"""How often the intervals of `surefoot identify LOG.npz` hold the truth: the table of docs/identify.md.
+"""How often the intervals of `surefoot identify LOG.npz` hold the truth: a table of docs/identify-walk.md.
 
 Run: python -m benchmarks.identify_walks [--json]. A draw is a trot of 5 s of Go2 in MuJoCo with
 hidden friction, rotors, losses in the joints, latency and payload, seen by ordinary sensors.

@@ -1,4 +1,4 @@
-"""Ten minutes of random commands, pushes and rough ground, minute by minute: docs/walking.md.
+"""Ten minutes of random commands, pushes and rough ground, minute by minute: docs/reports/walking.md.
 
 Run: python -m benchmarks.long_walk [--quick] [--json]. Go2 with real motors and estimated state, all of its
 links may touch. Every 8 s comes another command, up to 0.8 and 0.3 m/s and 0.8 rad/s, for 4 s and then back,

@@ -1,4 +1,4 @@
-"""How soon and how well friction is told while a robot goes: docs/estimation.md.
+"""How soon and how well friction is told while a robot goes: docs/reports/estimation.md.
 
 Run: python -m benchmarks.slippery_walks [--quick] [--json]. The tracker of friction sees walks onto
 ground that is more slippery than the controller was told.

@@ -1,10 +1,11 @@
-"""How many contradictions between the channels of a log an audit finds: the table of docs/audit.md.
+"""How many contradictions between the channels of a log an audit finds: the table of docs/reports/audit.md.
 
 Run: python -m benchmarks.spoils [--json]. Thirty lawful logs, most of them of no known robot
 (`benchmarks.problems.plain_logs`), are spoilt in thirteen ways, each of which leaves some channels as they
 are: a kick in mid-run, half of the weight carried while nothing falls, momentum of another scale, places that
 jump, velocities in another unit, gaps of the other sign, forces in other axes. Counted is what exceeds the
-tolerance that docs/audit.md states, worked out from the lawful log; and what is found of the rest.
+tolerance that docs/channels-of-one-motion.md states, worked out from the lawful log; and what is found of the
+rest.
 """
 
 from __future__ import annotations

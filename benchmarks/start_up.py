@@ -1,8 +1,8 @@
 """What a command costs to start, and the first call of a kernel, both ways to compile it.
 
 Run: python -m benchmarks.start_up. Each figure is of a process of its own: the least CPU time of a command
-that has run before, and of the libraries below it; the CPU time of a kernel's first call, once with an empty
-cache and once with what that call left there.
+that has run before, with an empty cache too, and of the libraries below it; the CPU time of a kernel's first
+call in a program, once with an empty cache and once with what that call left there.
 """
 
 from __future__ import annotations
@@ -26,15 +26,23 @@ QUESTIONS = ("can_stand", "solve")
 
 LIBRARIES = "import numba, scipy.linalg, scipy.sparse, typer"
 STANCE = Path(__file__).parents[1] / "examples/stances/go2_three_legs.yaml"
-COMMANDS = ("--version", "--help", "check STANCE --no-picture", "solve PROBLEM")
+COMMANDS = (
+    "--version",
+    "--help",
+    "check STANCE --no-picture",
+    "check STANCE",
+    "solve PROBLEM",
+    "region STANCE",
+    "cone --mu 0.6 --facets 4",
+)
 
 
-def least(words: list[str], repeats: int = 7) -> float:
-    """Return the least CPU time of a program [s]."""
-    times = []
+def least(words: list[str], repeats: int = 7, cache: str | None = None) -> float:
+    """Return the least CPU time of a program [s], with another folder of compiled code where one is given."""
+    times, given = [], ONE_THREAD if cache is None else {**ONE_THREAD, "NUMBA_CACHE_DIR": cache}
     for _ in range(repeats):
         before = os.times()
-        subprocess.run([sys.executable, *words], env=ONE_THREAD, capture_output=True, check=True)
+        subprocess.run([sys.executable, *words], env=given, capture_output=True, check=True)
         after = os.times()
         times.append(sum(after[2:4]) - sum(before[2:4]))
     return min(times)
@@ -45,13 +53,16 @@ def print_commands() -> None:
     import surefoot as sf
 
     base = least(["-c", LIBRARIES])
-    print(f"{LIBRARIES}: {base:.2f} s")
+    print(f"{LIBRARIES}: {base:.2f} s; commands, then above the libraries, then with nothing compiled")
     with tempfile.TemporaryDirectory() as folder:
         problem = sf.write_problem(four_contacts(), f"{folder}/problem.npz")
         for command in COMMANDS:
             words = command.replace("STANCE", str(STANCE)).replace("PROBLEM", str(problem)).split()
+            if words[0] in ("check", "region", "cone"):
+                words += ["--out", folder]
             time = least(["-m", "surefoot", *words])
-            print(f"surefoot {command:30}{time:6.2f} s{time - base:7.2f} s above the libraries")
+            cold = least(["-m", "surefoot", *words], cache=f"{folder}/cold")
+            print(f"surefoot {command:30}{time:6.2f} s{time - base:7.2f} s{cold:7.2f} s")
 
 
 def four_contacts() -> sf.ContactProblem:

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, fields, replace
@@ -31,7 +30,7 @@ from benchmarks.foreign.causes import CAUSES
 from benchmarks.foreign.fault import Fault, Run
 from benchmarks.foreign.loops import LOOPS, failed
 from benchmarks.foreign.race import LAWFUL, TUNING, is_right, plan
-from benchmarks.limits import values_away
+from benchmarks.limit_choice import Choice, vary
 from surefoot.base.errors import check_name
 from surefoot.base.settings import DescribedSetting, describe
 from surefoot.records.audit import auditor
@@ -43,8 +42,6 @@ from surefoot.records.audit.story.story_limits import STORY_LIMITS, StoryLimits
 from surefoot.records.log import Log
 from surefoot.records.log.reading import read_log
 
-FACTORS = (1.5, 2.0, 4.0, 16.0, 64.0)
-"""Steps away from a limit's value, each way; of its distance from one, too, where that is small."""
 SEED = 1
 """Difference of runs told right that may be a matter of one seed."""
 
@@ -110,45 +107,6 @@ def limits_read(rule: Rule, given: tuple[Any, ...]) -> tuple[set[str], tuple[Sig
     return read, tuple(rule.find(Signals(log.rows(slice(-story.MOST_ROWS, None)), setting, noted)))
 
 
-@dataclass(frozen=True)
-class Choice:
-    """What came of varying one limit.
-
-    Attributes
-    ----------
-    name, value
-        Of the limit.
-    right, runs
-        Runs told right with its value, of how many.
-    low, high
-        Least and largest value tried, next to its own, with which no fewer are told right.
-    tried
-        (value, runs told right) of all that were tried, rising.
-    """
-
-    name: str
-    value: float
-    right: int
-    runs: int
-    low: float
-    high: float
-    tried: tuple[tuple[float, int], ...]
-
-    @property
-    def better(self) -> tuple[float, ...]:
-        """Values with which more runs are told right."""
-        return tuple(value for value, right in self.tried if right > self.right + SEED)
-
-    @property
-    def verdict(self) -> str:
-        """Whether the choice is repeated, and the values that do as well."""
-        if self.better:
-            return "better: " + ", ".join(f"{value:.4g}" for value in self.better)
-        if all(right >= self.right - SEED for _, right in self.tried):
-            return "not decided: all values tried do as well"
-        return f"as good from {self.low:.4g} to {self.high:.4g}"
-
-
 def told_runs(
     seeds: int, lawful: int, keep: Path | None, causes: Sequence[str] = (), untold: bool = False
 ) -> Iterator[Told]:
@@ -199,24 +157,11 @@ def _kept(path: Path, make: Callable[[], Run]) -> Run:
     return Run(loop, seed, attempt, read_log(log), known, onset, failure, at)
 
 
-def vary(one: DescribedSetting, runs: Sequence[Told]) -> Choice:
-    """Return what comes of varying a limit over runs."""
-    value = float(one.value)
-    tried = {value: _count(runs, STORY_LIMITS, one.name)}
-    ends = [value, value]
-    for way in (0, 1):
-        near = values_away(one.name, value, one.info.whole, bool(way), FACTORS)
-        far = {value * (factor if way else 1.0 / factor) for factor in FACTORS}
-        for new in sorted({*near, *far}, reverse=not way):
-            low, high = one.info.low, one.info.high
-            clipped = min(max(new, -math.inf if low is None else low), math.inf if high is None else high)
-            if clipped in tried:
-                break
-            tried[clipped] = _count(runs, replace(STORY_LIMITS, **{one.name: clipped}), one.name)
-            if tried[clipped] < tried[value] - SEED:
-                break
-            ends[way] = clipped
-    return Choice(one.name, value, tried[value], len(runs), ends[0], ends[1], tuple(sorted(tried.items())))
+def vary_limit(one: DescribedSetting, runs: Sequence[Told]) -> Choice:
+    """Return what comes of varying a limit over runs: how many are told right."""
+    whole = int if one.info.whole else float
+    changed = partial(replace, STORY_LIMITS)
+    return vary(one, lambda value: _count(runs, changed(**{one.name: whole(value)}), one.name), SEED)
 
 
 def _count(runs: Sequence[Told], limits: StoryLimits, changed: str) -> int:
@@ -242,10 +187,10 @@ def main() -> None:
     runs = list(told_runs(given.seeds, given.lawful, given.keep, given.cause, given.untold))
     found = []
     for name in given.names or every:
-        one = vary(every[name], runs)
+        one = vary_limit(every[name], runs)
         found.append(asdict(one) | {"verdict": one.verdict})
         if not given.json:
-            told = f"{one.verdict}; {one.right} of {one.runs}"
+            told = f"{one.verdict}; {one.score} of {len(runs)}"
             print(f"{name:12} {one.value:8.4g} {every[name].info.unit:9} {told}")
             print(f"{'':12} " + ", ".join(f"{value:.4g}: {right}" for value, right in one.tried), flush=True)
     if given.json:

@@ -1,4 +1,4 @@
-"""Engines at their defaults against real throws of a cube: the last table of docs/identify.md.
+"""Engines at their defaults against real throws of a cube: a table of docs/reports/.
 
 Run: python -m benchmarks.thrown_defaults TOSSES.npz [--mu 0.18] [--json]. The body is the file's, not one
 that was fitted; first states and the ground are found as `identify` finds them; every other toss is

@@ -56,7 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         report = sf.transfer(
             model, np.zeros((400, 0)), STANDARD, 5, success=lambda m, d: math.hypot(*d.qvel[:2]) < 1e-6
         )
-        print("crate at rest on 20 degrees", report, sep="\n\n", flush=True)
+        print("crate at rest on 20 degrees", "\n".join(report.table()), sep="\n\n", flush=True)
     specs = {path.stem: path for path in given.spec}
     for network in given.networks:
         start = time.process_time()
@@ -64,7 +64,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
         report = sf.transfer(
             policy.robot, policy, STANDARD, given.seeds, duration=given.seconds, success=walked(given.seconds)
         )
-        print(network.stem, report, f"({time.process_time() - start:.0f} s of CPU)", sep="\n\n", flush=True)
+        print(
+            network.stem,
+            "\n".join(report.table()),
+            f"({time.process_time() - start:.0f} s of CPU)",
+            sep="\n\n",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

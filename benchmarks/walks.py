@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
+from benchmarks.legged import write_legged
 from surefoot.mechanics.robot import Robot, load_robot
 from surefoot.mechanics.robot.actuators import Actuators, actuators_of
 from surefoot.mechanics.terrain import Terrain, read_terrain
@@ -24,6 +27,8 @@ from surefoot.worlds.running.sensors import SensorModel
 
 HARD: Mapping[str, Any] = {"actuators": "real", "collision": "full"}
 """Options of a world with real motors in which every link may touch."""
+SIX_LEGS = "legged6"
+"""Name of a made-up robot with six legs."""
 QUADRUPEDS = ("anymal_c", "a1", "go1", "b1", "solo12", "hyq", "laikago")
 """Robots beside Go2 whose walks are measured."""
 
@@ -106,5 +111,9 @@ class Walk:
 
 @cache
 def known_robot(name: str) -> Robot:
-    """Return a robot of the catalogue, loaded once."""
-    return load_robot(name)
+    """Return a robot of the catalogue, or a made-up one with six legs, "legged6"; loaded once."""
+    if name != SIX_LEGS:
+        return load_robot(name)
+    with TemporaryDirectory() as folder:
+        path, feet = write_legged(Path(folder), 6)
+        return load_robot(path, feet=feet)

@@ -1,1 +1,1 @@
-"""Gradients through contact by three methods: penalty, implicit, randomised smoothing; docs/gradients.md."""
+"""Gradients through contact: penalty, implicit, randomised smoothing; docs/reports/gradients.md."""

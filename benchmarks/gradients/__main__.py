@@ -1,4 +1,4 @@
-"""Print the tables and draw the picture of docs/gradients.md.
+"""Print the tables and draw the picture of docs/reports/gradients.md.
 
 Run: python -m benchmarks.gradients [--quick] [--out FOLDER] [--json].
 """

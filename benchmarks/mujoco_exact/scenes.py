@@ -15,6 +15,8 @@ BOX = (
 )
 HOLD, SLOW = 2.0, 0.02
 """Stiffness of a joint over the weight [m/rad], and its damping over the stiffness [s]."""
+PLANE = (("slide", "1 0 0"), ("slide", "0 0 1"), ("hinge", "0 1 0"))
+"""Joints of what moves in a plane: type and axis."""
 GRASP = 0.03
 """Half the width of what is pinched [m]."""
 
@@ -37,6 +39,22 @@ def box(
 def stack(count: int) -> Any:
     """Return boxes on each other."""
     return bodies(*(box(f"0 0 {0.1 + 0.2 * k}") for k in range(count)))
+
+
+def painleve_rod(half: float = 0.5, steep: float = np.arctan(2.0), mu: float = 2.0) -> Any:
+    """Return a rod in a plane, its lower tip ahead and on the ground.
+
+    Sliding has no solution beyond mu = (1 + 3 c²) / (3 s c), with c and s of the angle to the ground: the rod
+    jams at once (P. Painlevé, "Sur les lois du frottement de glissement", Comptes rendus 121, 1895).
+    """
+    x, z, thin = half * np.cos(steep), half * np.sin(steep), 1e-3
+    joints = "".join(f'<joint type="{kind}" axis="{axis}"/>' for kind, axis in PLANE)
+    inertia = f'mass="1" pos="0 0 0" diaginertia="{half**2 / 3.0} {half**2 / 3.0} {half**2 / 3.0}"'
+    tip = f'pos="{x} 0 {-z}"'
+    return bodies(
+        f'<body pos="0 0 {z + thin}">{joints}<inertial {inertia}/><site {tip}/>'
+        f'<geom size="{thin}" {tip} friction="{mu}"/></body>',
+    )  # fmt: skip
 
 
 def pinch() -> Any:

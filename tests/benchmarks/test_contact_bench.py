@@ -15,6 +15,7 @@ from benchmarks.contact.comparison import (
     compare,
     copies_of,
 )
+from benchmarks.contact.methods import LEVELS, cells
 from benchmarks.contact.ours import CONTACT_SOLVER
 from benchmarks.contact.rivals import DENSE, SPARSE, PinocchioCall, best_call, matrix
 from benchmarks.contact.siconos_rival import siconos_best, siconos_installed
@@ -130,3 +131,9 @@ def test_accuracy_over_time_asks_for_more_and_more(tmp_path: Path) -> None:
     assert (best.seconds > 0.0).all()
     pytest.importorskip("matplotlib")
     assert draw_accuracy(paths, tmp_path / "accuracy.png").stat().st_size > 10_000
+
+
+def test_auto_is_compared_with_its_methods_at_each_accuracy() -> None:
+    found = list(cells("cube", problem_set("robot", copies=0.01)[0].problem))
+    assert [cell.level for cell in found] == list(LEVELS)
+    assert all(cell.ratio > 0.0 and cell.method != "auto" for cell in found)

@@ -1,4 +1,4 @@
-"""The tasks of docs/gradients.md: slopes against differences, statistics against known answers."""
+"""The tasks of docs/reports/gradients.md: slopes against differences, statistics against known answers."""
 
 from __future__ import annotations
 

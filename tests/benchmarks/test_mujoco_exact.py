@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from benchmarks.mujoco_exact.accuracy import ACCURACY, rocking_lean, runs_compared
 from benchmarks.mujoco_exact.models import find_models, model_rows, run_models
 
 BOX = """<mujoco><worldbody><geom type="plane" size="9 9 1"/><body pos="0 0 0.1"><joint name="x" type="slide"
@@ -39,3 +41,16 @@ def test_a_folder_without_models_is_one_line(tmp_path: Path) -> None:
     result = CliRunner().invoke(app, ["--models", str(tmp_path)])
     assert result.exit_code == 2
     assert "gymnasium dm_control" in " ".join(result.output.split())
+
+
+def test_bodies_with_closed_forms() -> None:
+    """The exact step has them; a rod jams at once; the lean after an impact is Housner's."""
+    options, exact = runs_compared()["exact"]
+    found = {name.partition(" (")[0]: measure(dict(options), exact) for name, measure in ACCURACY.items()}
+    assert found["cube thrown at 6 m/s"].startswith("3.664 m, ")
+    for name in ("way of a block at 0° [%]", "way of a block at 45° [%]", "rate of a disc after 0.1 s [%]"):
+        assert abs(float(found[name])) < 0.01
+    assert abs(float(found["tip of Painlevé's rod [m/s]"])) < 2e-3
+    assert float(found["stance feet of a Go2 slip [mm/s]"]) < 1e-3
+    lean = float(ACCURACY[next(name for name in ACCURACY if "rocking" in name)]({"timestep": 1e-4}, True))
+    assert lean == pytest.approx(np.rad2deg(rocking_lean()), rel=5e-3)

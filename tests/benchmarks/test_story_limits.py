@@ -8,7 +8,8 @@ from typing import cast
 import pytest
 
 from benchmarks import story_limits
-from benchmarks.story_limits import Choice, Told, told_runs, vary
+from benchmarks.limit_choice import Choice
+from benchmarks.story_limits import Told, told_runs, vary_limit
 from surefoot.base.settings import describe
 from surefoot.records.audit.story.story import story_of
 from surefoot.records.audit.story.story_limits import STORY_LIMITS, StoryLimits
@@ -47,15 +48,15 @@ class Weakened:
 def test_a_limit_is_decided_where_a_value_tells_fewer_runs_right() -> None:
     every = {one.name: one for one in describe(STORY_LIMITS)}
     runs = cast("list[Told]", [Weakened(), Weakened()])
-    found = vary(every["weaker"], runs)
+    found = vary_limit(every["weaker"], runs)
     assert found.verdict == "as good from 0.8 to 0.95"
     values = [value for value, _ in found.tried]
     assert values == pytest.approx([0.6, 0.8, 0.85, 0.9, 1.4 / 1.5, 0.95, 0.975])
     assert [right for _, right in found.tried] == [0, 2, 2, 2, 2, 2, 0]
-    assert vary(every["slippery"], runs).verdict == "not decided: all values tried do as well"
+    assert vary_limit(every["slippery"], runs).verdict == "not decided: all values tried do as well"
 
 
 def test_a_better_value_is_said() -> None:
-    found = Choice("push", 1.0, 5, 9, 1.0, 2.0, ((0.5, 4), (1.0, 5), (1.5, 6), (2.0, 7)))
+    found = Choice("push", 1.0, 5, 1, 1.0, 2.0, ((0.5, 4), (1.0, 5), (1.5, 6), (2.0, 7)))
     assert found.verdict == "better: 2", "one run more is a matter of a seed"
     assert replace(found, tried=found.tried[:3]).verdict.startswith("not decided")
