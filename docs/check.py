@@ -27,7 +27,9 @@ PAGES = [
     ROOT / "CHANGELOG.md",
     *sorted((ROOT / "docs").glob("*.md")),
     *sorted((ROOT / "docs" / "cookbook").glob("*.md")),
-    *sorted((ROOT / "course").glob("*.md")),
+    *sorted((ROOT / "docs" / "reports").glob("*.md")),
+    *sorted((ROOT / "docs" / "zh").glob("*.md")),
+    *sorted((ROOT / "course").glob("*/*.md")),
 ]
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
 BLOCK = re.compile(r"```(\w*)\n(.*?)```", re.DOTALL)

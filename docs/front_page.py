@@ -15,6 +15,8 @@ import sys
 from pathlib import Path
 from typing import NamedTuple
 
+from surefoot.app.viz import palette
+
 DOCS = Path(__file__).resolve().parent
 README, BARS, TABLE = (
     DOCS.parent / "README.md",
@@ -38,7 +40,7 @@ QUESTIONS = {
 SHOWN = {"its ADMM": "Pinocchio's ADMM", "with Anderson acceleration": "... and Anderson acceleration"}
 """Rivals whose name in the table needs the one before."""
 TIMED = re.compile(r"(?:^|; |: )(?P<who>[^;:]*?),? (?P<time>[\d.]+)(?:, [\d.]+)* µs")
-OURS, RIVAL, INK, MUTED = "#1b6ca8", "#b9c2ca", "#22303c", "#8a99a6"
+OURS, RIVAL = palette.CONE, palette.blend(palette.MUTED, palette.PAPER, 0.4)
 LEFT, WIDTH, ROW, GAP = 250, 430, 19, 15
 
 
@@ -89,8 +91,8 @@ def drawing(rows: list[list[str]]) -> str:
         y += GAP + 12
     size = f'width="{LEFT + WIDTH + 90}" height="{y}" viewBox="0 0 {LEFT + WIDTH + 90} {y}"'
     words = "median on one core, logarithmic: shorter is faster"
-    note = f'<text x="{LEFT}" y="{y - 8}" fill="{MUTED}">{words}</text>'
-    style = f'font-family="Helvetica, Arial, sans-serif" font-size="12" fill="{INK}"'
+    note = f'<text x="{LEFT}" y="{y - 8}" fill="{palette.MUTED}">{words}</text>'
+    style = f'font-family="Helvetica, Arial, sans-serif" font-size="12" fill="{palette.INK}"'
     parts = "\n".join([*out, note])
     paper = '<rect width="100%" height="100%" fill="white"/>'
     return f'<svg xmlns="http://www.w3.org/2000/svg" {size} {style}>\n{paper}\n{parts}\n</svg>\n'

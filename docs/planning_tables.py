@@ -155,15 +155,17 @@ WITHOUT_GAIT = (
 EXECUTED = ("plan", "motors", "landed", "lawful", "torque use", "speed use", "moved", "turned")
 
 TABLES = {
-    "race": Table(SOFTENING, "softening.md", BY_PROBLEM, lambda data: _softening(data, "race")),
-    "recommended": Table(SOFTENING, "softening.md", BY_PROBLEM, lambda data: _softening(data, "recommended")),
+    "race": Table(SOFTENING, "reports/softening.md", BY_PROBLEM, lambda data: _softening(data, "race")),
+    "recommended": Table(
+        SOFTENING, "reports/softening.md", BY_PROBLEM, lambda data: _softening(data, "recommended"),
+    ),
     "causes": Table(
-        "surefoot bench softening --table causes --few 4", "softening.md", BY_PROBLEM,
+        "surefoot bench softening --table causes --few 4", "reports/softening.md", BY_PROBLEM,
         lambda data: _softening(data, "causes"),
     ),
-    "progress": Table(SOFTENING, "softening.md", BY_PROBLEM, _steps_along),
+    "progress": Table(SOFTENING, "reports/softening.md", BY_PROBLEM, _steps_along),
     "first": Table(
-        "surefoot bench softening --table first --few 4", "softening.md", BY_PROBLEM,
+        "surefoot bench softening --table first --few 4", "reports/softening.md", BY_PROBLEM,
         lambda data: _softening(data, "first", product=False),
     ),
     "methods": Table(
@@ -177,16 +179,18 @@ TABLES = {
         lambda data: printed(data, "schedules by hand"),
     ),
     "bias": Table(
-        GRADIENTS, "gradients.md", FIVE_TASKS, lambda data: _slopes(data, "slopes at", "bias, exact slope")
+        GRADIENTS, "reports/gradients.md", FIVE_TASKS,
+        lambda data: _slopes(data, "slopes at", "bias, exact slope")
     ),
     "bias_smoothed": Table(
-        GRADIENTS, "gradients.md", FIVE_TASKS, lambda data: _slopes(data, "slopes at", "bias, smoothed loss")
+        GRADIENTS, "reports/gradients.md", FIVE_TASKS,
+        lambda data: _slopes(data, "slopes at", "bias, smoothed loss")
     ),
     "scatter": Table(
-        GRADIENTS, "gradients.md", FIVE_TASKS,
+        GRADIENTS, "reports/gradients.md", FIVE_TASKS,
         lambda data: _slopes(data, "slopes at", "spread of a sample", "wrong way"),
     ),
-    "searches": Table(GRADIENTS, "gradients.md", FIVE_TASKS, _searches),
+    "searches": Table(GRADIENTS, "reports/gradients.md", FIVE_TASKS, _searches),
     "without_gait": Table(PLAN, "contact-implicit-mpc.md", WITHOUT_GAIT, _without_gait),
     "iteration": Table(
         PLAN, "shooting.md", ("ms", "derivatives", "Riccati", "rollout", "iteration"), _iteration
@@ -200,5 +204,7 @@ TABLES = {
         "`surefoot plan jump-up 0.2 --no-video --no-report` (exit code 1); "
         "`surefoot plan backflip --no-video --no-report`",
     ),
-    "executed": Table("surefoot bench execution", "executing-plans.md", EXECUTED, _executed, long=True),
+    "executed": Table(
+        "surefoot bench execution", "reports/executing-plans.md", EXECUTED, _executed, long=True,
+    ),
 }  # fmt: skip

@@ -21,9 +21,22 @@ def _what_happens(trial: dict[str, Any]) -> str:
     return f"{'**stands**' if stand == 'stands' else stand}; to walk: {walk}"
 
 
+def _published(data: Any) -> Rows:
+    return [[t["name"], t["true"], t["feet"], _what_happens(t), _errors(t["errors"])] for t in data["trials"]]
+
+
+def _errors(errors: dict[str, int]) -> str:
+    return ", ".join(f"{count} {rule}" for rule, count in errors.items()) or "none"
+
+
 TABLES = {
     "robots": Table(
-        "surefoot bench robots", "standing.md", ("robot", "feet, and how the first is read", "what happens"),
-        _catalogue, long=True,
+        "surefoot bench robots", "reports/standing.md",
+        ("robot", "feet, and how the first is read", "what happens"), _catalogue, long=True,
+    ),
+    "published_robots": Table(
+        "surefoot bench robots --published FOLDER", "reports/standing.md",
+        ("robot (whose)", "what stands there", "feet, and how the first is read", "what happens",
+         "errors of the lint"), _published, long=True,
     ),
 }  # fmt: skip

@@ -39,13 +39,14 @@ def _times(data: Any) -> Rows:
 
 TABLES = {
     "soles": Table(
-        "surefoot bench soles", "cones.md",
+        "surefoot bench soles", "reports/cones.md",
         ("20 soles, 10,000 wrenches each", "asked", "held", "differ", "nearer than 1e-7", "of these differ",
          "farthest that differs"),
         _answers, long=True,
     ),
     "sole_times": Table(
-        "surefoot bench soles", "cones.md", ("question", "who", "processor time [µs]", "ratio"), _times,
+        "surefoot bench soles", "reports/cones.md", ("question", "who", "processor time [µs]", "ratio"),
+        _times,
         long=True,
     ),
 }  # fmt: skip

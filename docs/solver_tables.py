@@ -192,7 +192,7 @@ NAMED_RIVALS = {
     "pinocchio admm spectral anderson": "with Anderson acceleration",
     "siconos nsgs": "Siconos' NSGS",
 }
-"""Those that the README compares with; docs/choosing-a-solver.md has all."""
+"""Those that the README compares with; docs/reports/choosing-a-solver.md has all."""
 WARM = (
     "trajectory", "cones active in", "iterations", "cold", "warm", "ratio", "loop: cold", "loop: warm",
     "loop: ratio",
@@ -202,36 +202,37 @@ VERDICTS = ("against", "possible", "agree", "differ within 1e-7 of the load", "d
 WEIGHTS = ("", "force weight 0.1", "force weight 0.01", "force weight 1e-4")
 
 TABLES = {
-    "rigid": Table("surefoot bench rigid go2", "rigid-world.md", ("", "rigid", "MuJoCo"), _rigid),
+    "rigid": Table("surefoot bench rigid go2", "reports/rigid-world.md", ("", "rigid", "MuJoCo"), _rigid),
     "against_mujoco": Table(
-        "python examples/26_rigid_and_mujoco.py", "rigid-world.md",
+        "python examples/26_rigid_and_mujoco.py", "reports/rigid-world.md",
         ("", "rigid", "MuJoCo", "rigid, convex law"), _against_mujoco, reads=str,
     ),
-    "verdicts": Table(STATICS, "statics.md", VERDICTS, _verdicts),
+    "verdicts": Table(STATICS, "reports/statics.md", VERDICTS, _verdicts),
     "questions": Table(
-        STATICS, "statics.md", ("question", "who", "median [µs]", "99 % [µs]", "ratio"), _questions
+        STATICS, "reports/statics.md", ("question", "who", "median [µs]", "99 % [µs]", "ratio"), _questions
     ),
     "contact": Table(
-        CONTACT, "choosing-a-solver.md",
+        CONTACT, "reports/choosing-a-solver.md",
         ("solver", "solved", "ready problem, median [µs]", "new G each call"), contact,
     ),
     "families": Table(
-        CONTACT, "choosing-a-solver.md", ("family", "median [µs]", "99 % [µs]", "ratio", "least"), families
+        CONTACT, "reports/choosing-a-solver.md", ("family", "median [µs]", "99 % [µs]", "ratio", "least"),
+        families
     ),
     "batches": Table(
         "surefoot bench batch", "batches.md",
         ("four contacts of Go2, µs a problem", "solve", "solve and vjp"), _batches,
     ),
     "allocation": Table(
-        FORCES, "force-distribution.md", ("", "easy", "near the boundary", "wrench out of reach"),
+        FORCES, "reports/force-distribution.md", ("", "easy", "near the boundary", "wrench out of reach"),
         speed_tables.allocation,
     ),
-    "warm": Table(FORCES, "force-distribution.md", WARM, speed_tables.warm_starts),
+    "warm": Table(FORCES, "reports/force-distribution.md", WARM, speed_tables.warm_starts),
     "accuracy": Table(
         f"{FORCES} --instances 10000 --count 2 --no-stands", "force-distribution.md", WEIGHTS, _accuracy,
     ),
-    "horizons": Table(WALK, "mpc.md", SCENES, speed_tables.horizons),
-    "steps": Table(WALK, "walking.md", ("robot", "call", "median / 99 % [µs]"), speed_tables.steps),
+    "horizons": Table(WALK, "reports/mpc.md", SCENES, speed_tables.horizons),
+    "steps": Table(WALK, "reports/walking.md", ("robot", "call", "median / 99 % [µs]"), speed_tables.steps),
     "readme": Table(
         "; ".join((FORCES, STATICS, CONTACT, WALK, STAND)), "speed.md",
         ("question", "Surefoot, exact cones, median [µs]", "rivals", "command"), readme,

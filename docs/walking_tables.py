@@ -224,7 +224,7 @@ WALKS = (
     "a1",
     "go1",
 )
-"""Walks of docs/walking.md."""
+"""Walks of docs/reports/walking.md."""
 TRUTH = "--scenario examples/scenarios/true_state.yaml"
 """What tells a walk its true state; the walk on ice has a scenario of its own that does."""
 ALL_WALKS = "; ".join(
@@ -257,73 +257,79 @@ KNOWN = (
 
 TABLES = {
     "stacks": Table(
-        STACKS, "stacks.md", STACK_COLUMNS,
+        STACKS, "reports/stacks.md", STACK_COLUMNS,
         lambda data: _stacks(data, without=("-map",)), long=True,
     ),
-    "bipeds": Table(EVERY_TASK, "bipeds.md", STACK_COLUMNS, lambda data: _stacks(data, "g1-"), long=True),
+    "bipeds": Table(
+        EVERY_TASK, "reports/bipeds.md", STACK_COLUMNS, lambda data: _stacks(data, "g1-"), long=True,
+    ),
     "stairs": Table(
-        STACKS, "terrain-knowledge.md", STACK_COLUMNS,
+        STACKS, "reports/terrain-knowledge.md", STACK_COLUMNS,
         lambda data: _stacks(data, "stairs-", "ice"), long=True,
     ),
-    "speeds": Table("surefoot bench speeds --seeds 20", "speed-limits.md", SPEED_COLUMNS, _speeds, long=True),
+    "speeds": Table(
+        "surefoot bench speeds --seeds 20", "reports/speed-limits.md", SPEED_COLUMNS, _speeds, long=True,
+    ),
     "motor_speeds": Table(
-        f"{ACTUATORS} speeds --seeds 2 --duration 5", "actuators.md", MOTOR_SPEEDS, _motor_speeds
+        f"{ACTUATORS} speeds --seeds 2 --duration 5", "reports/actuators.md", MOTOR_SPEEDS, _motor_speeds
     ),
     "motor_robots": Table(
-        f"{ACTUATORS} robots --seeds 1 --duration 4", "actuators.md", MOTORS,
+        f"{ACTUATORS} robots --seeds 1 --duration 4", "reports/actuators.md", MOTORS,
         lambda data: printed(data, "robots", *MOTORS),
     ),
     "late_commands": Table(
-        f"{ACTUATORS} delays --only '5 ms' --seeds 20 --duration 4", "actuators.md", MOTORS,
+        f"{ACTUATORS} delays --only '5 ms' --seeds 20 --duration 4", "late-commands.md", MOTORS,
         lambda data: printed(data, "delays", *MOTORS),
     ),
-    "payloads": Table(f"{FEW} payloads; {MANY}", "loads.md", LOAD, _payloads),
+    "payloads": Table(f"{FEW} payloads; {MANY}", "reports/loads.md", LOAD, _payloads),
     "loaded_robots": Table(
-        f"{FEW} robots", "loads.md", LOAD, lambda data: _loads(data, "robots")
+        f"{FEW} robots", "reports/loads.md", LOAD, lambda data: _loads(data, "robots")
     ),
     "disturbances": Table(
-        f"{FEW} disturbances", "loads.md", LOAD, lambda data: _loads(data, "disturbances")
+        f"{FEW} disturbances", "reports/loads.md", LOAD, lambda data: _loads(data, "disturbances")
     ),
     "state_errors": Table(
-        STATE, "estimation.md", ERRORS, lambda data: printed(data, "state estimate", *ERRORS)
+        STATE, "reports/estimation.md", ERRORS, lambda data: printed(data, "state estimate", *ERRORS)
     ),
     "state_cost": Table(
-        STATE, "estimation.md", ("robot", "filter: predict", "filter: update", "forces", "contacts", "all"),
+        STATE, "reports/estimation.md",
+        ("robot", "filter: predict", "filter: update", "forces", "contacts", "all"),
         lambda data: printed(data, "CPU time"),
     ),
     "slippery": Table(
-        SLIPPERY, "estimation.md",
+        SLIPPERY, "reports/estimation.md",
         ("world", "true mu", "first answer after the first slip [ms]", "all answers", "highest lower bound"),
         lambda data: printed(data, "friction while"),
     ),
     "knowledge": Table(
         "python -m benchmarks.terrain_knowledge --seeds 5 --task slope --task ice --task ice-unaware "
-        "--task patch", "terrain-knowledge.md", KNOWN,
+        "--task patch", "reports/terrain-knowledge.md", KNOWN,
         lambda data: printed(data, "go2", *KNOWN),
     ),
     "walks": Table(
-        ALL_WALKS, "walking.md", ("`surefoot walk ...`", "measured", "slip", "laws"), _walks,
+        ALL_WALKS, "reports/walking.md", ("`surefoot walk ...`", "measured", "slip", "laws"), _walks,
         said="each line's command with `--seed 1`, measured on the true state",
     ),
     "faults": Table(
-        "surefoot bench faults --estimator truth --seeds 20 --duration 4", "walking.md",
+        "surefoot bench faults --estimator truth --seeds 20 --duration 4", "reports/walking.md",
         ("fault", "survived", "not survived"), _faults, long=True,
     ),
     "seeded_faults": Table(
-        AUDIT, "audit.md", ("fault", "what is done", "amplitude", "told as", "noticed", "all right"),
+        AUDIT, "reports/audit.md", ("fault", "what is done", "amplitude", "told as", "noticed", "all right"),
         _seeded_faults, long=True,
     ),
     "spoils": Table(
-        "python -m benchmarks.spoils", "audit.md",
+        "python -m benchmarks.spoils", "reports/audit.md",
         ("spoil", "what is done", "logs", "beyond the tolerance, found", "below it, found all the same"),
         _spoils, long=True,
     ),
     "alarms": Table(
-        AUDIT, "audit.md", ("foot, time and cause right", "noticed", "false alarms on clean runs"), _alarms,
+        AUDIT, "reports/audit.md", ("foot, time and cause right", "noticed", "false alarms on clean runs"),
+        _alarms,
         long=True,
     ),
     "timid": Table(
-        f"{SWEEP}/walk-narrow.yaml; {SWEEP}/walk-wide.yaml", "sweeps.md",
+        f"{SWEEP}/walk-narrow.yaml; {SWEEP}/walk-wide.yaml", "reports/sweeps.md",
         (
             "commanded speed [m/s]", "narrow: share that walked as told", "wide",
             "narrow: median velocity [m/s]", "wide",
@@ -331,7 +337,7 @@ TABLES = {
         _timid, long=True,
     ),
     "soft_ground": Table(
-        f"{SWEEP}/soft.yaml --json", "sweeps.md",
+        f"{SWEEP}/soft.yaml --json", "reports/sweeps.md",
         ("time constant [s]", "sink [mm]", "ground's work [J]", "slip [mm]", "laws broken"), _soft,
     ),
 }  # fmt: skip

@@ -1,142 +1,150 @@
-"""Put the site's sources together: pages of the docs, the reference, and the course in two languages."""
+"""Put the site's two source trees together: each mirrors the repository with the pages of one language.
+
+English: the docs, the reference, the cookbook with notebooks, the course. Chinese: `docs/zh` and the course.
+A link that stays in its tree is Sphinx's to follow; one into the other tree is written as an address of the
+built site, and marked where it leads from Chinese to English.
+"""
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 import tempfile
-import traceback
-from collections.abc import Iterable
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
+from typing import Any
 
-from docs.site import labels, reference, render
-from docs.site.execute import run_page
-from docs.site.page import LANGUAGES, Page, pages
+from docs.course.pages import LANGUAGES
+from docs.site import reference
+from docs.site.figures import with_figure
 from docs.site.recipe import recipes, run_recipe
 
 ROOT = Path(__file__).resolve().parents[2]
-LANDINGS = ("extend", "cookbook/README", "learn", "do", "understand", "look-up")
-"""Pages that lead to others: two on a shelf, and four shelves. A page is below the first that links to it."""
+LANDINGS = ("extend", "cookbook/README", "reports/README", "learn", "do", "understand", "look-up")
+"""Pages that lead to others: three on a shelf, and four shelves. A page is below the first that names it."""
 BESIDES = {
-    "learn": ["/course/index"],
+    "learn": ["/course/en/index"],
     "look-up": ["/api/index", "/docs/README", "/CHANGELOG", "/CONTRIBUTING", "/README"],
 }
 """What stands in the menus of shelves and is no page of the docs."""
-ZH = Path(__file__).with_name("zh")
-ZH_ORDER = ("learn", "first-steps", "do", "look-up", "understand")
+ZH = ROOT / "docs" / "zh"
+ZH_ORDER = ("learn", "first-steps", "do", "look-up", "glossary", "understand")
 """Pages of the docs that are there in Chinese, too, in the order of their menu."""
-COPIED = ("docs/*.md", "docs/cookbook/*.md", "docs/images/*", "README.md", "CHANGELOG.md", "CONTRIBUTING.md")
-SECTIONS = {
-    0: {"en": "Start here", "zh": "从这里开始"},
-    1: {"en": "Contact and friction laws", "zh": "接触与摩擦定律"},
-    2: {"en": "Friction cones", "zh": "摩擦锥"},
-    3: {"en": "Complementarity made smooth", "zh": "互补约束的光滑化"},
-    4: {"en": "Contact Jacobians", "zh": "接触雅可比"},
-    5: {"en": "Centroidal momentum", "zh": "质心动量"},
-    6: {"en": "Angular momentum", "zh": "角动量"},
-    7: {"en": "Force distribution", "zh": "接触力分配"},
-    8: {"en": "Simulators", "zh": "仿真器"},
-    9: {"en": "Learning with contact", "zh": "学习与接触"},
-    10: {"en": "Capstone", "zh": "综合练习"},
-    11: {"en": "Tables, measured anew", "zh": "重新测量的表格"},
-    12: {"en": "Traps, shown happening", "zh": "陷阱演示"},
-    13: {"en": "Troubleshooting", "zh": "故障排查手册"},
-    14: {"en": "Errata, self-test and references", "zh": "勘误、自测与参考"},
-}
-"""Hundreds of a page's order, and what stands above them."""
-TITLE = {"en": "The course", "zh": "课程"}
-ABOUT = {
-    "en": "Contact mechanics of legged robots by measurement: the theory of a textbook chapter derived "
-    "and run, its exercises, its tables measured anew, its traps shown happening, its errors put right, and "
-    "a troubleshooting manual that breaks things. The chapter is chapter 52 of *Robotics Tutorial* by "
-    "Pengfei Guo, licensed CC BY 4.0; the course follows its order in words and measurements of its own. "
-    "All code uses public names and runs when this site is built; all numbers in the texts come out "
-    "of it, and what they claim is asserted.",
-    "zh": "用测量来学习足式机器人的接触力学：推导并运行一章教材的理论，做完全部习题，重新测量其表格，"
-    "演示其陷阱，订正其错误，并附一份故意制造故障的排查手册。"
-    "教材是 Pengfei Guo 的《Robotics Tutorial》第 52 章（CC BY 4.0）；"
-    "本课程参照其次序，文字与测量均为我们自己的。"
-    "全部代码只用公开接口，在构建本站时执行；文中数字都来自这些代码，结论由断言检验。",
-}
+COPIED = {
+    "en": (
+        "docs/*.md", "docs/cookbook/*.md", "docs/reports/*.md", "docs/images/*", "README.md", "CHANGELOG.md",
+        "CONTRIBUTING.md", "course/en/*",
+    ),
+    "zh": ("docs/zh/*.md", "course/zh/*"),
+}  # fmt: skip
+NOTEBOOK = {"en": "This page as a notebook", "zh": "本页的 Jupyter 笔记本"}
+_LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)#\s:]+)(#[\w-]+)?\)")
+_PLACE = re.compile(r'^<a id="([\w-]+)"></a>$', re.MULTILINE)
 
 
-def assemble(build: Path, only: Iterable[str] | None = None, jobs: int = 2) -> dict[str, Path]:
-    """Write the source trees below `build`; return them by language.
-
-    Parameters
-    ----------
-    build
-        Folder whose `source-en` and `source-zh` are replaced.
-    only
-        Names of course pages to run; None for all.
-    jobs
-        Processes that run pages.
-    """
+def assemble(build: Path) -> dict[str, Path]:
+    """Write the source trees `source-en` and `source-zh` below `build` anew; return them by language."""
     trees = {language: build / f"source-{language}" for language in LANGUAGES}
-    for tree in trees.values():
-        shutil.rmtree(tree, ignore_errors=True)
-        (tree / "course" / "figures").mkdir(parents=True)
-    chosen = [page for page in pages() if only is None or page.name in set(only)]
-    if labels.chinese_font() is None:
-        print("figures of the Chinese pages stay English: no font for them, apt install fonts-wqy-microhei")
-    with ProcessPoolExecutor(jobs) as pool:
-        list(pool.map(_run, chosen, [trees] * len(chosen)))
-    for picture in (trees["en"] / "course" / "figures").iterdir():
-        shutil.copy(picture, trees["zh"] / "course" / "figures")
     for language, tree in trees.items():
-        (tree / "course" / "index.md").write_text(contents(chosen, language), encoding="utf-8")
+        shutil.rmtree(tree, ignore_errors=True)
+        for pattern in COPIED[language]:
+            for path in sorted(ROOT.glob(pattern)):
+                copied(path, tree, language)
+        index = tree / "course" / language / "index.md"
+        index.write_text(with_menus(index.read_text(encoding="utf-8")), encoding="utf-8")
+    shutil.copy(Path(__file__).with_name("index.md"), trees["en"] / "index.md")
     (trees["zh"] / "index.md").write_text(_zh_front(), encoding="utf-8")
-    _zh_docs(trees["zh"] / "docs")
-    _copy(trees["en"])
+    for name, below in menus().items():
+        page = trees["en"] / "docs" / f"{name}.md"
+        page.write_text(page.read_text(encoding="utf-8") + _menu(below), encoding="utf-8")
     _cookbook(trees["en"] / "docs" / "cookbook")
     reference.write(trees["en"] / "api")
     return trees
 
 
-def _run(page: Page, trees: dict[str, Path]) -> None:
-    try:
-        render.write(run_page(page, trees["en"] / "course" / "figures"), trees)
-    except Exception as error:
-        places = [frame for frame in traceback.extract_tb(error.__traceback__) if "course/" in frame.filename]
-        line = places[-1].lineno if places else 0
-        raise RuntimeError(f"course/{page.name}.md:{line}: {type(error).__name__}: {error}") from error
+def copied(path: Path, tree: Path, language: str) -> None:
+    """Copy a file of the repository into a tree, links turned; of the course notebooks, not their sources."""
+    target = tree / path.relative_to(ROOT)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    if path.suffix == ".ipynb":
+        (target.parent / "notebooks").mkdir(exist_ok=True)
+        shutil.copy(path, target.parent / "notebooks")
+        target.write_text(json.dumps(_notebook(path, language)), encoding="utf-8")
+    elif path.suffix != ".md":
+        shutil.copy(path, target)
+    elif not path.with_suffix(".ipynb").exists():
+        target.write_text(turned(path, path.read_text(encoding="utf-8"), language), encoding="utf-8")
 
 
-def contents(chosen: list[Page], language: str) -> str:
-    """Return the course's list of contents."""
-    lines = [f"# {TITLE[language]}", "", ABOUT[language], ""]
-    for hundred, title in SECTIONS.items():
-        names = [page.name for page in chosen if page.order // 100 == hundred]
-        if names:
-            caption = title[language] if not 1 <= hundred <= 9 else f"52.{hundred} {title[language]}"
-            lines += ["```{toctree}", ":maxdepth: 1", f":caption: {caption}", "", *names, "```", ""]
-    return "\n".join(lines)
+def _notebook(path: Path, language: str) -> dict[str, Any]:
+    """Return a page of the course: pictures with their words, and a link to the notebook itself."""
+    book: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    for cell in book["cells"]:
+        if cell["cell_type"] == "markdown":
+            cell["source"] = turned(path, "".join(cell["source"]), language)
+        for output in cell.get("outputs", []):
+            alt = output.get("metadata", {}).get("image/png", {}).get("alt")
+            if alt:  # MyST-NB takes it from the cell
+                cell["metadata"]["mystnb"] = {"image": {"alt": alt}}
+    book["cells"][0]["source"] = with_figure(path.stem, book["cells"][0]["source"], language)
+    book["cells"][-1]["source"] += f"\n\n{{download}}`{NOTEBOOK[language]} <notebooks/{path.name}>`"
+    return book
+
+
+def turned(path: Path, text: str, language: str) -> str:
+    """Return a page's text with its links made for the site.
+
+    Links into the other tree become addresses, links to folders and files outside of the site their names,
+    and anchors MyST's.
+    """
+
+    def kept(found: re.Match[str]) -> str:
+        words, anchor = found[1], found[3] or ""
+        target = (path.parent / found[2]).resolve()
+        if (
+            not target.is_relative_to(ROOT)
+            or target.suffix not in (".md", ".ipynb", ".png", ".svg")
+            or not target.is_file()
+            or (target.suffix == ".ipynb" and not target.is_relative_to(ROOT / "course"))
+        ):
+            return f"{words} (`{target.relative_to(ROOT)}`)"
+        place = target.relative_to(ROOT)
+        chinese = "zh" in place.parts
+        if chinese == (language == "zh"):
+            return found[0]
+        up = "../" * (len(path.relative_to(ROOT).parts) - 1)
+        there = f"{up}zh/{place}" if chinese else f"{up}../{place}"
+        if not chinese and words != "English":
+            words += "（英文）"
+        page = there.removesuffix(target.suffix) + ".html"
+        return f'<a href="{page}{anchor}" hreflang="{"zh" if chinese else "en"}">{words}</a>'
+
+    return _PLACE.sub(r"(\1)=", _LINK.sub(kept, text))
+
+
+def with_menus(text: str) -> str:
+    """Return the course's contents with a hidden menu for each of its headings, whose links it lists."""
+    parts = re.split(r"^## (.*)$", text, flags=re.MULTILINE)
+    out = parts[0]
+    for title, body in zip(parts[1::2], parts[2::2], strict=True):
+        below = re.findall(r"^- \[.*\]\(([\w.-]+)\.ipynb\)", body, re.MULTILINE)
+        out += f"## {title}{body}" + _menu(below, f":caption: {title}")
+    return out
+
+
+def _menu(below: list[str], *options: str) -> str:
+    return "\n".join(["", "```{toctree}", ":hidden:", *options, "", *below, "```", "", ""])
 
 
 def _zh_front() -> str:
-    shelves = [f"docs/{path.stem}" for path in sorted(ZH.glob("*.md"), key=lambda p: ZH_ORDER.index(p.stem))]
     return "\n".join([
-        "# Surefoot 中文", "", ABOUT["zh"], "", '<a href="../index.html">English documentation</a>', "",
-        "```{toctree}", ":maxdepth: 2", "", *shelves, "course/index", "```", "",
+        "# Surefoot 中文", "",
+        "Surefoot 是足式机器人的接触层：哪些接触力在物理上可能，应当用哪些力，运动是否遵守了定律。"
+        "中文部分有整个课程、最初五分钟与术语表；操作说明与参考是英文的，链接处都已注明。", "",
+        '<a href="../index.html" hreflang="en">English documentation（英文）</a>', "",
+        "```{toctree}", ":maxdepth: 2", "",
+        *(f"docs/zh/{name}" for name in ZH_ORDER), "course/zh/index", "```", "",
     ])  # fmt: skip
-
-
-def _zh_docs(folder: Path) -> None:
-    """Write the Chinese shelves: code is the English page's, links to other pages lead to its tree."""
-    folder.mkdir(parents=True, exist_ok=True)
-    here = {path.name for path in ZH.glob("*.md")}
-
-    def linked(found: re.Match[str]) -> str:
-        if found[2] in here or found[2].startswith("../course/"):
-            return found[0]
-        return f'<a href="../../docs/{found[2].removesuffix(".md")}.html">{found[1]}</a>'
-
-    for path in ZH.glob("*.md"):
-        text = path.read_text(encoding="utf-8")
-        for number, block in enumerate(code_blocks(ROOT / "docs" / path.name), 1):
-            text = text.replace(f"{{{{{number}}}}}", block)
-        (folder / path.name).write_text(_LINK.sub(linked, text), encoding="utf-8")
 
 
 def code_blocks(path: Path) -> list[str]:
@@ -144,25 +152,10 @@ def code_blocks(path: Path) -> list[str]:
     return re.findall(r"^```\w+\n.*?^```$", path.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
 
 
-def _copy(tree: Path) -> None:
-    """Copy what the repository already says, links to its other files turned into their names."""
-    for pattern in COPIED:
-        for path in ROOT.glob(pattern):
-            target = tree / path.relative_to(ROOT)
-            target.parent.mkdir(parents=True, exist_ok=True)
-            if path.suffix == ".md":
-                target.write_text(without_code_links(path), encoding="utf-8")
-            else:
-                shutil.copy(path, target)
-    shutil.copy(Path(__file__).with_name("index.md"), tree / "index.md")
-    for name, below in menus().items():
-        page = tree / "docs" / f"{name}.md"
-        menu = ["", "```{toctree}", ":hidden:", "", *below, "```", ""]
-        page.write_text(page.read_text(encoding="utf-8") + "\n".join(menu), encoding="utf-8")
-
-
 def _cookbook(folder: Path) -> None:
     """Run the recipes whose modules are installed, and put a notebook beside each page."""
+    import jupytext
+
     for recipe in recipes():
         if not recipe.missing:
             with tempfile.TemporaryDirectory() as scratch:
@@ -172,16 +165,19 @@ def _cookbook(folder: Path) -> None:
                     raise RuntimeError(
                         f"{recipe.path.name}:{block.line}: prints {text!r}, not {block.prints!r}"
                     )
-        name = recipe.path.stem
-        (folder / f"{name}.ipynb").write_text(render.recipe_notebook(recipe), encoding="utf-8")
         page = folder / recipe.path.name
-        link = f"\n{{download}}`{render.NOTEBOOK['en']} <{name}.ipynb>`\n"
+        (folder / "notebooks").mkdir(exist_ok=True)
+        book = jupytext.reads(recipe.text, fmt="md")
+        (folder / "notebooks" / f"{page.stem}.ipynb").write_text(
+            jupytext.writes(book, "ipynb"), encoding="utf-8"
+        )
+        link = f"\n{{download}}`{NOTEBOOK['en']} <notebooks/{page.stem}.ipynb>`\n"
         page.write_text(page.read_text(encoding="utf-8") + link, encoding="utf-8")
 
 
 def menus() -> dict[str, list[str]]:
     """Return the documents below each landing page, in the order of its links, each below one."""
-    docs, found, taken = ROOT / "docs", dict[str, list[str]](), {"README", *LANDINGS[2:]}
+    docs, found, taken = ROOT / "docs", dict[str, list[str]](), {"README", *LANDINGS[3:]}
     for name in LANDINGS:
         page = docs / f"{name}.md"
         links = [
@@ -193,22 +189,3 @@ def menus() -> dict[str, list[str]]:
         taken |= set(fresh)
         found[name] = [f"/docs/{one}" for one in fresh] + BESIDES.get(name, [])
     return found
-
-
-_LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)#\s:]+)\)")
-
-
-_PLACE = re.compile(r'^<a id="([\w-]+)"></a>$', re.MULTILINE)
-
-
-def without_code_links(path: Path) -> str:
-    """Return a page whose links to folders and files outside the site are code spans, anchors MyST's."""
-
-    def kept(found: re.Match[str]) -> str:
-        target = (path.parent / found[2]).resolve()
-        if target == ROOT / "course":
-            return f"[{found[1]}](/course/index.md)"
-        inside = target.suffix in (".md", ".png", ".svg") and target.is_file()
-        return found[0] if inside else f"{found[1]} (`{target.relative_to(ROOT)}`)"
-
-    return _PLACE.sub(r"(\1)=", _LINK.sub(kept, path.read_text(encoding="utf-8")))

@@ -5,8 +5,14 @@ from __future__ import annotations
 import re
 from typing import Any
 
+from docutils.nodes import SkipNode
+from docutils.utils.math.latex2mathml import tex2mathml
+from pygments.lexers.special import TextLexer
+
 import surefoot
+from docs.site import figures
 from docs.site.search import SearchPairs
+from surefoot.app.viz import palette
 
 project = "Surefoot"
 author = "the Surefoot authors"
@@ -15,10 +21,16 @@ version = release = surefoot.__version__
 language = "en"  # the Chinese tree is built with -D language=zh_CN
 html_search_language = "pairs"  # SearchPairs, in both trees
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
-source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+source_suffix = {".md": "myst-nb", ".ipynb": "myst-nb", ".rst": "restructuredtext"}
+exclude_patterns = ["**/notebooks/*", "notebooks/*"]  # as they are in the repository, to download
+nb_execution_mode = (
+    "off"  # the course keeps its outputs: python -m docs.course --check says whether they are current
+)
+nb_mime_priority_overrides = [("html", "image/png", 0)]
 myst_heading_anchors = 4
-myst_enable_extensions = ["colon_fence"]
+myst_enable_extensions = ["colon_fence", "dollarmath"]
+html_math_renderer = "mathml"  # which browsers draw themselves: no script, nothing from outside
 suppress_warnings = [
     "toc.not_included",  # pages that are only linked to
     "ref.python",  # an attribute of several classes, in a signature
@@ -42,10 +54,12 @@ html_copy_source = False
 html_static_path = ["style"]
 html_css_files = ["surefoot.css"]
 html_js_files = ["offline.js"]
+BRAND = ("color-brand-primary", "color-brand-content")
 html_theme_options = {
     "sidebar_hide_name": False,
-    "light_css_variables": {"color-brand-primary": "#1b6ca8", "color-brand-content": "#1b6ca8"},
-    "dark_css_variables": {"color-brand-primary": "#6db3e8", "color-brand-content": "#6db3e8"},
+    "light_css_variables": figures.COLOURS | dict.fromkeys(BRAND, palette.CONE),
+    "dark_css_variables": figures.COLOURS
+    | dict.fromkeys(BRAND, palette.blend(palette.CONE, palette.PAPER, 0.6)),
 }
 pygments_style = "friendly"
 pygments_dark_style = "monokai"
@@ -79,8 +93,19 @@ def _no_tuple_fields(app: Any, what: str, name: str, thing: Any, skip: bool, opt
     return True if str(getattr(thing, "__doc__", "")).startswith("Alias for field number") else None
 
 
+def _math(translator: Any, node: Any) -> None:
+    """Write a formula as MathML."""
+    block = node.tagname == "math_block"
+    written = tex2mathml(node.astext(), as_block=block)
+    translator.body.append(f'<div class="math">{written}</div>' if block else written)
+    raise SkipNode
+
+
 def setup(app: Any) -> None:
     """Register with Sphinx."""
     app.add_search_language(SearchPairs)
+    app.add_lexer("mermaid", TextLexer)  # diagrams that the repository's page draws
+    app.add_html_math_renderer("mathml", (_math, None), (_math, None))
+    app.connect("html-page-context", figures.load)
     app.connect("autodoc-skip-member", _no_tuple_fields)
     app.connect("autodoc-process-docstring", _plain, priority=400)  # before napoleon

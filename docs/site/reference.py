@@ -1,9 +1,13 @@
-"""The API reference: a page for each room, from `src/surefoot/__init__.pyi`, the one list of public names."""
+"""The API reference: a page for each room, from `src/surefoot/__init__.pyi`, the one list of public names.
+
+Its first page has them by what one does with them, as the package's own docstring.
+"""
 
 from __future__ import annotations
 
 import ast
 import inspect
+import re
 from pathlib import Path
 from typing import Any
 
@@ -80,8 +84,19 @@ def write(folder: Path) -> None:
         _page(folder / f"{module}.rst", title, f"``surefoot.{module}``", [entry])
     names = [*order, *MODULES]
     listed = "".join(f"   {name}\n" for name in names)
-    index = "Every public name, ``import surefoot as sf``.\n\n.. toctree::\n   :maxdepth: 2\n\n" + listed
+    index = "Every public name, ``import surefoot as sf``, by what one does with it.\n\n"
+    for verb, found in verbs().items():
+        index += (
+            f".. rubric:: {verb}\n\n" + ", ".join(f":py:obj:`~surefoot.{name}`" for name in found) + "\n\n"
+        )
+    index += f".. rubric:: By where it lives\n\n.. toctree::\n   :maxdepth: 2\n\n{listed}"
     (folder / "index.rst").write_text(f"Reference\n=========\n\n{index}", encoding="utf-8")
+
+
+def verbs() -> dict[str, list[str]]:
+    """Return the public names under the five verbs of the package's docstring."""
+    sections = re.findall(r"^(\w+)\n((?:    .*\n?)+)", surefoot.__doc__ or "", re.MULTILINE)
+    return {verb: re.findall(r"\w+", names) for verb, names in sections}
 
 
 def _first_lines(room: str) -> str:
