@@ -56,9 +56,9 @@ quick: setup
 test-all: test ## what `make test` runs, then the long tests: hunts, long walks, whole pages
 	$(PYTEST) -m long
 
-test-extras: setup ## install the large extras (torch, mjx, ray, dask: gigabytes) and run their tests
-	$(INSTALL) --quiet -e '.[torch,mjx,scale]'
-	$(BIN)/python -m pytest -q tests/contact/batch tests/worlds/sweep tests/worlds/experiments/test_engines.py tests/benchmarks/test_batch_bench.py
+test-extras: setup ## install the large extras (torch, mjx, gymnasium, ray, dask: gigabytes) and run their tests
+	$(INSTALL) --quiet -e '.[torch,mjx,gym,scale]'
+	$(BIN)/python -m pytest -q tests/contact/batch tests/worlds/sweep tests/worlds/training tests/records/audit/batch tests/worlds/experiments/test_engines.py tests/benchmarks/test_batch_bench.py
 
 OLD_MUJOCO := 3.11.0
 test-mujoco: setup ## the tests of MuJoCo's loops and worlds with the oldest MuJoCo that is supported
@@ -82,6 +82,7 @@ bench: setup ## every benchmark, one after the other; sets the docs' measured ta
 docs: setup ## the documentation site in docs/build/html: every page run, every link and shown command checked
 	$(INSTALL) --quiet -e '.[docs]'
 	$(BIN)/python docs/check.py
+	$(BIN)/python -m docs.course --check --jobs 2
 	$(BIN)/python -m docs.site
 
 clean: ## remove caches and the virtual environment

@@ -1,7 +1,7 @@
 """What the index is told beyond pyproject.toml: the README with absolute links, and the project's addresses.
 
 Both need the address of the repository: ``home`` in ``[tool.hatch.metadata.hooks.custom]``. While that is
-empty the README goes out as it is, and there are no addresses.
+empty the README goes out without what leads into the repository, and there are no addresses.
 """
 
 from __future__ import annotations
@@ -27,6 +27,12 @@ def with_absolute_links(text: str, home: str) -> str:
     return LINK.sub(absolute, text)
 
 
+def without_relative_links(text: str) -> str:
+    """Return Markdown without relative pictures, and with the words alone of relative links."""
+    text = re.sub(r'!\[[^\]]*\]\((?!https?:)[^)]+\)\n?|<img src="(?!https?:)[^>]*>\n?', "", text)
+    return re.sub(r"\[([^\]]*)\]\((?!https?:|#|mailto:)[^)]+\)", r"\1", text)
+
+
 class AddressHook(MetadataHookInterface):
     """Fills in ``readme`` and ``urls``."""
 
@@ -36,8 +42,8 @@ class AddressHook(MetadataHookInterface):
         """Add both to the project's metadata."""
         home = str(self.config.get("home", ""))
         text = (Path(self.root) / "README.md").read_text(encoding="utf-8")
+        text = with_absolute_links(text, home) if home else without_relative_links(text)
         if home:
-            text = with_absolute_links(text, home)
             metadata["urls"] = {
                 "Homepage": home,
                 "Documentation": f"{home}/blob/main/docs/README.md",

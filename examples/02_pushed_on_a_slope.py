@@ -29,23 +29,13 @@ def main(animation: Path, seconds: float = SECONDS) -> sf.Log:
     try:
         from PIL import Image
 
-        from surefoot.app.viz.film import frames_of
+        from surefoot.app.viz.film import frames_of, write_animation
 
         frames = [Image.fromarray(picture) for picture in frames_of(log, robot, slope, RATE, SIZE)]
     except (ImportError, sf.SurefootError) as error:
         print(f"no animation: {error}")
         return log
-    animation.parent.mkdir(parents=True, exist_ok=True)
-    first, *rest = frames
-    first.save(
-        animation,
-        save_all=True,
-        append_images=rest,
-        duration=round(1000 / RATE),
-        loop=0,
-        quality=60,
-        method=6,
-    )
+    write_animation(frames, animation, RATE)
     print(f"animation: {animation}")
     return log
 

@@ -37,6 +37,17 @@ def log() -> sf.Log:
 
 
 @cache
+def resting_log() -> sf.Log:
+    """Return the log of IMU and joints of a robot at rest, for a second."""
+    rows = 101
+    return sf.Log({
+        "time": 0.01 * np.arange(rows), "imu_angular_velocity": np.zeros((rows, 3)),
+        "imu_acceleration": np.tile([0.0, 0.0, 9.81], (rows, 1)),
+        "joint_positions": np.tile(robot().nominal[7:], (rows, 1)),
+    })  # fmt: skip
+
+
+@cache
 def solution() -> Any:
     """Return a solved problem."""
     return sf.solve(PROBLEM)
@@ -283,4 +294,5 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "Push": (lambda **g: sf.Scenario(1.0, pushes=[sf.Push(**g)]),
              {"start": 0.0, "force": (1.0, 0, 0), "duration": 1.0}),
     "contact_times": (sf.contact_times, {"log": log()}),
+    "estimate_state": (sf.estimate_state, {"log": resting_log(), "robot": robot()}),
 }  # fmt: skip

@@ -25,7 +25,7 @@ def test_links_and_commands(page: Path) -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", ["derivatives.md", "batches.md", "soft-contact.md"])
+@pytest.mark.parametrize("name", ["derivatives.md", "step-derivatives.md", "batches.md", "soft-contact.md"])
 def test_shown_python_runs(name: str) -> None:
     failed, tried = doctest.testfile(
         str(ROOT / "docs" / name), module_relative=False, optionflags=doctest.NORMALIZE_WHITESPACE
@@ -78,6 +78,28 @@ def test_the_first_screen_of_the_readme() -> None:
     program = BLOCK.findall(first)[-1]
     assert len(program.strip().splitlines()) <= 10
     assert program.rstrip().endswith('sf.picture(verdict, "verdict.png")')
+
+
+REFERENCE = {"settings.md", "glossary.md"}
+"""Pages that are looked things up in: one is printed from the code, one has an entry for every term."""
+
+
+@pytest.mark.parametrize("page", sorted((ROOT / "docs").glob("*.md")), ids=lambda page: page.name)
+def test_a_page_is_short(page: Path) -> None:
+    """What was measured, and history, go to docs/reports."""
+    if page.name in REFERENCE:
+        pytest.skip("a reference")
+    text = page.read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 150
+    assert len(text.split()) <= 1200
+
+
+def test_every_report_is_on_its_shelf_and_says_of_what_it_is() -> None:
+    shelf = (ROOT / "docs" / "reports" / "README.md").read_text(encoding="utf-8")
+    for report in (ROOT / "docs" / "reports").glob("*.md"):
+        if report.name != "README.md":
+            assert f"]({report.name})" in shelf
+            assert "20" in report.read_text(encoding="utf-8")  # a date
 
 
 def test_the_front_page_is_short() -> None:

@@ -12,7 +12,9 @@ from tests.pages import blocks, run_page
 RUN = (
     "bodies.md", "contact-sets.md", "add-a-contact-law.md", "add-a-solver.md", "loads.md", "lab.md",
     "first-steps.md", "pictures.md", "certify.md", "many-environments.md", "mujoco-exact.md",
+    "transfer.md",
     pytest.param("robot-loop.md", marks=pytest.mark.long),
+    pytest.param("ros2-control.md", marks=pytest.mark.long),
 )  # fmt: skip
 """Pages whose blocks are one program."""
 

@@ -7,6 +7,7 @@ test-release` does that, the suite leaves it out.
 from __future__ import annotations
 
 import os
+import re
 import runpy
 import subprocess
 import sys
@@ -17,11 +18,15 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
+from packaging.specifiers import SpecifierSet
 
 import surefoot
 
 ROOT = Path(__file__).parent.parent
-PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+SETTINGS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+PROJECT = SETTINGS["project"]
+PROJECT_HOME = SETTINGS["tool"]["hatch"]["metadata"]["hooks"]["custom"]["home"]
 EXTRAS = PROJECT["optional-dependencies"]
 TRY = """
 import surefoot as sf
@@ -32,7 +37,9 @@ print(sf.__file__)
 IMPORTED = {
     "robot": "pinocchio", "sim": "mujoco", "qp": "qpsolvers", "viz": "matplotlib", "files": "mcap",
     "sweep": "pyarrow", "scale": "ray", "jax": "jax", "mjx": "mujoco.mjx", "torch": "torch",
-    "plan": "casadi", "lab": "viser", "drake": "pydrake", "bullet": "pybullet", "policy": "onnxruntime",
+    "gym": "gymnasium",
+    "plan": "casadi", "lab": "viser", "rerun": "rerun", "drake": "pydrake", "bullet": "pybullet",
+    "policy": "onnxruntime",
     "wire": "cyclonedds",
     "cdd": "cdd",
     "all": "pinocchio", "dev": "pytest", "docs": "sphinx",
@@ -101,11 +108,29 @@ def test_the_examples_of_a_wheel_are_copied_and_run(wheel: Path, tmp_path: Path)
     assert "possible" in surefoot_command("check", "examples/stances/chimney.yaml", "--no-picture")
 
 
-def test_what_the_index_is_told(wheel: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The README as it is until the repository has an address, then with links that lead there."""
+RELATIVE = re.compile(r"""(?:\]\(|(?:src|href)=")(?!https?:|#|mailto:)([^)"\s]+)""")
+"""Links and pictures that lead nowhere unless the repository is around the page."""
+
+
+def test_what_the_index_is_told(wheel: Path) -> None:
+    """The README, whose links lead into the repository once it has an address, and nowhere before."""
     told = zipfile.ZipFile(wheel).read(next(n for n in files_of(wheel) if n.endswith("METADATA"))).decode()
     assert "Description-Content-Type: text/markdown" in told
-    assert (ROOT / "README.md").read_text(encoding="utf-8") in told
+    assert "print(verdict)" in told
+    if not PROJECT_HOME:
+        assert RELATIVE.findall(told) == []
+    hook = runpy.run_path(str(ROOT / "hatch_build.py"))
+    page = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert RELATIVE.findall(hook["without_relative_links"](page)) == []
+    home = "https://h.org/s"
+    absolute = hook["with_absolute_links"](page, home)
+    assert RELATIVE.findall(absolute) == []
+    paths = re.findall(rf"{home}/(?:blob|raw)/main/([^)\"\s#]+)", absolute)
+    assert len(paths) == len(RELATIVE.findall(page)) > 20
+    assert [path for path in paths if not (ROOT / path).is_file()] == []
+
+
+def test_links_become_absolute() -> None:
     hook = runpy.run_path(str(ROOT / "hatch_build.py"))
     text = '[a](docs/a.md#b) [c](https://x.org) <img src="docs/i.png" alt=""> ![d](docs/d.svg) [e](#e)'
     assert hook["with_absolute_links"](text, "https://h.org/s/") == (
@@ -113,6 +138,7 @@ def test_what_the_index_is_told(wheel: Path, monkeypatch: pytest.MonkeyPatch) ->
         '<img src="https://h.org/s/raw/main/docs/i.png" alt=""> '
         "![d](https://h.org/s/raw/main/docs/d.svg) [e](#e)"
     )
+    assert hook["without_relative_links"](text) == "a [c](https://x.org)   [e](#e)"
     metadata: dict[str, object] = {}
     hook["AddressHook"](str(ROOT), {"home": "https://h.org/s"}).update(metadata)
     assert metadata["urls"]["Issues"] == "https://h.org/s/issues"  # type: ignore[index]
@@ -126,6 +152,9 @@ def test_the_source_archive_builds_the_same_wheel(wheel: Path, tmp_path: Path) -
     assert {"Makefile", "constraints.txt", "LICENSE", "tests", "docs", "benchmarks"} <= {
         p.name for p in source.iterdir()
     }
+    kept = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False)
+    missing = [name for name in kept.stdout.splitlines() if not (source / name).exists()]
+    assert missing == [], "the tests of what is unpacked need all that the repository has"
     code = f"import hatchling.build as b; print(b.build_wheel({str(tmp_path)!r}))"
     done = subprocess.run(
         [sys.executable, "-c", code], cwd=source, capture_output=True, text=True, check=True
@@ -156,3 +185,25 @@ def test_this_version_has_an_entry_in_the_changelog() -> None:
     assert versions[0] == surefoot.__version__, "the newest entry is this version's"
     assert len(set(versions)) == len(versions)
     assert f"version: {surefoot.__version__}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+
+
+def test_the_conda_recipe_asks_for_what_the_wheel_asks_for() -> None:
+    """Bounds are the same, of the base and of the extras that have an output, under conda's own names."""
+    yaml = pytest.importorskip("yaml")
+    names = {"pin": "pinocchio", "mujoco": "mujoco-python", "matplotlib": "matplotlib-base"}
+    lines = (ROOT / "conda" / "meta.yaml").read_text(encoding="utf-8").splitlines()
+    plain = "\n".join(line for line in lines if "{%" not in line and "{{" not in line)
+    outputs = {one["name"]: one["requirements"]["run"] for one in yaml.safe_load(plain)["outputs"]}
+
+    def listed(requirements: list[str]) -> set[str]:
+        found = [Requirement(text) for text in requirements]
+        return {f"{names.get(r.name, r.name)} {r.specifier}" for r in found if r.marker is None}
+
+    def asked(output: list[str]) -> set[str]:
+        return {f"{name} {SpecifierSet(bounds)}" for name, bounds in (text.split(" ", 1) for text in output)}
+
+    python = f"python {PROJECT['requires-python']}"
+    assert asked(outputs.pop("surefoot")) == {python, *listed(PROJECT["dependencies"])}
+    for name, wanted in outputs.items():
+        assert asked(wanted) == listed(EXTRAS[name.removeprefix("surefoot-")]), name
+    assert {"surefoot-robot", "surefoot-sim", "surefoot-viz", "surefoot-qp"} <= outputs.keys()

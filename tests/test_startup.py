@@ -101,13 +101,13 @@ print(ours, [m for m in others.split() if m in sys.modules])
     count, others = lines[2].split(" ", 1)
     assert others == "[]"
     assert (
-        int(count) <= 61
+        int(count) <= 64
     )  # of them seven wings and packages whose `__init__` is a line, and the model of the file
 
 
 @pytest.mark.parametrize(
     ("name", "most"),
-    [("solve", 61), ("can_stand", 46), ("StandingController", 128), ("WalkingController", 194)],
+    [("solve", 61), ("can_stand", 46), ("StandingController", 134), ("WalkingController", 200)],
 )
 def test_a_name_loads_what_it_needs(name: str, most: int) -> None:
     """Modules are counted, not seconds; `docs/install.md` has those. Of a walk's, ten hold settings."""

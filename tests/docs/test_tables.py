@@ -16,7 +16,7 @@ MEASURED = sorted(path.stem for path in tables.FOLDER.iterdir())
 
 def test_pages_say_what_their_files_say() -> None:
     found: list[str] = []
-    for page in (ROOT / "README.md", *(ROOT / "docs").glob("*.md")):
+    for page in (ROOT / "README.md", *(ROOT / "docs").glob("*.md"), *(ROOT / "docs/reports").glob("*.md")):
         text = page.read_text(encoding="utf-8")
         here = [match["name"] for match in tables.PLACE.finditer(text)]
         assert text.count("<!-- table ") == text.count("<!-- end of table -->") == len(here)

@@ -49,6 +49,15 @@ def test_the_animation_has_the_pictures_of_the_walk(
         assert animation.n_frames in (11, 12)  # rounding decides on the last
 
 
+def test_a_thrown_cube_slides_to_rest_under_coulombs_law(tmp_path: Path) -> None:
+    path = tmp_path / "mine.webp"
+    path.write_text("mine")
+    runs = script("27_two_ground_laws")["main"](path)
+    assert path.read_text() == "mine"
+    assert runs["sf.MujocoStepper"][-1, 0] == pytest.approx(3.664, abs=1e-3)
+    assert runs["sf.MujocoStepper"][:, 2].max() < 0.05 + 1e-6
+
+
 def test_can_it_stand(capsys: pytest.CaptureFixture[str]) -> None:
     script("10_can_it_stand")
     text = capsys.readouterr().out
