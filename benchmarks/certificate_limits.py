@@ -17,8 +17,11 @@ With --people motions that people walked are lawful too, as retargeting to the G
 `surefoot certify` reads, 30 frames a second, the first minute): each counts as a walk does. Settings that are
 to forgive real errors are decided by these.
 
-Repairs are judged on the walks spoilt in the ways that a repair mends: the score is the mean share of
-impossible frames that are mended, less the mean change of the joints in rad.
+Repairs are judged on impossible motions that need what the setting is for (`benchmarks.certify.repair_cases`:
+walks spoilt in the ways that a repair mends, a foot that is raised, ground that heaves, knees that are too
+slow): the score is the mean share of impossible frames that are mended, less the mean change of the joints in
+rad, and less a tenth of the logarithm of how much longer or shorter the motion lasts. With --people they are
+judged on those motions alone.
 
 A choice is repeated if no value that was tried scores higher by more than 0.01 (0.02 for repairs), and at
 least one does worse; a setting whose value makes no difference is not decided by these motions.
@@ -27,7 +30,6 @@ least one does worse; a setting whose value makes no difference is not decided b
 from __future__ import annotations
 
 import argparse
-import copy
 import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -41,6 +43,7 @@ import surefoot as sf
 from benchmarks.certify.corruptions import CORRUPTIONS, resampled
 from benchmarks.certify.executed import noisy
 from benchmarks.certify.recordings import walks
+from benchmarks.certify.repair_cases import RATE, changed, knees, repair_cases, rising_motion, slow_knees
 from benchmarks.limit_choice import Choice, vary
 from surefoot.base.arrays import BoolArray
 from surefoot.base.errors import check_name
@@ -49,7 +52,7 @@ from surefoot.records.certificates.certificate_settings import CertificateSettin
 from surefoot.records.motions.motion import Motion
 from surefoot.records.repairs.repair_settings import RepairSettings
 
-RATES = (30.0, 120.0)
+RATES = (RATE, 120.0)
 """Of the walks [Hz]; they are spoilt at the first."""
 OFF, WANDER, SKATE, WANDERING = 0.004, 0.01, 0.12, 0.3
 """Errors of retargeted walks: mean height and its deviation [m], speed of resting feet [m/s], how often [Hz].
@@ -61,15 +64,8 @@ FALSE = 10.0
 """Weight of lawful frames that are called impossible, over that of frames that are right."""
 NOISE, REPAIR_NOISE = 0.01, 0.02
 """Differences of scores that say nothing: a single motion's verdict makes up 0.01."""
-MENDED = (
-    "floating 3 cm",
-    "floating 5 cm",
-    "gliding 20 cm/s",
-    "leaning 10 deg",
-    "arms at 3 Hz",
-    "turning body",
-)
-"""Corruptions that a repair is judged on."""
+LONGER = 0.1
+"""Weight of the logarithm of how much longer or shorter a mended motion lasts."""
 
 
 @dataclass(frozen=True)
@@ -131,42 +127,24 @@ def spoilt_cases(motions: Sequence[Motion]) -> Iterator[Case]:
 def motor_cases(motion: Motion) -> Iterator[Case]:
     """Yield weak knees at their stops and away from them, motors that are fast enough and that are not."""
     robot = motion.robot
-    knees = np.array(["knee" in name for name in robot.joint_names])
+    mine = knees(robot)
     q = np.tile(robot.nominal, (45, 1))
     q[:, 2] -= min(robot.sphere_bottoms(robot.nominal))
-    weak = _changed(robot, effort_limits=np.where(knees, 1.0, robot.effort_limits))
+    weak = changed(robot, effort_limits=np.where(mine, 1.0, robot.effort_limits))
     every = np.ones(len(q), dtype=np.bool_)
     for bent, spoilt in ((0.02, None), (0.2, every)):
-        stopped = _changed(weak, model=robot.model.copy())
+        stopped = changed(weak, model=robot.model.copy())
         upper = np.array(robot.model.upperPositionLimit)
-        upper[7:][knees] = robot.nominal[7:][knees] + bent
+        upper[7:][mine] = robot.nominal[7:][mine] + bent
         stopped.model.upperPositionLimit = upper
         name = f"weak knees {bent:g} rad from their stops"
         yield Case(name, Motion(stopped, q, RATES[0], name), spoilt)
     rising = rising_motion(robot)
     speeds = np.abs(np.gradient(rising.q[:, 7:], 1.0 / rising.rate, axis=0))
-    for share, spoilt in ((1.0 / 1.02, None), (0.5, np.all(speeds[:, knees] > 0.55 * speeds.max(), axis=1))):
-        limits = np.where(knees, share * speeds.max(), robot.speed_limits)
+    fastest = np.all(speeds[:, mine] > 0.55 * speeds.max(), axis=1)
+    for share, spoilt in ((1.0 / 1.02, None), (0.5, fastest)):
         name = f"rising, motors of the knees {share:.2f} times as fast as they turn"
-        yield Case(name, replace(rising, robot=_changed(robot, speed_limits=limits)), spoilt)
-
-
-def rising_motion(robot: sf.Robot, low: float = 0.75, high: float = 0.2, duration: float = 1.5) -> Motion:
-    """Return the robot straightening bent legs [rad] at an even speed, its soles flat on the ground."""
-    count = round(duration * RATES[0])
-    angles = np.linspace(low, high, count)
-    q = np.tile(robot.nominal, (count, 1))
-    for joint, share in (("hip_pitch", -1.0), ("knee", 2.0), ("ankle_pitch", -1.0)):
-        for side in ("left", "right"):
-            q[:, 7 + robot.joint_names.index(f"{side}_{joint}_joint")] = share * angles
-    q[:, 2] -= [min(robot.sphere_bottoms(one)) for one in q]
-    return Motion(robot, q, RATES[0], "rising")
-
-
-def _changed(robot: sf.Robot, **values: Any) -> sf.Robot:
-    out = copy.copy(robot)
-    vars(out).update(values)
-    return out
+        yield Case(name, slow_knees(rising, share), spoilt)
 
 
 def certificate_score(lawful: Sequence[Case], spoilt: Sequence[Case], settings: CertificateSettings) -> float:
@@ -177,9 +155,11 @@ def certificate_score(lawful: Sequence[Case], spoilt: Sequence[Case], settings: 
 
 
 def repair_score(motions: Sequence[Motion], settings: RepairSettings) -> float:
-    """Return how much repairs of spoilt motions mend, less how far they change them."""
+    """Return how much repairs of spoilt motions mend, less how far they change them, and their lengths."""
     found = [sf.repair_motion(sf.certify_motion(one.robot, one), settings) for one in motions]
-    return float(np.mean([one.mended - one.joint_change for one in found]))
+    longer = [abs(np.log(one.motion.duration / one.before.motion.duration)) for one in found]
+    changes = [one.joint_change for one in found]
+    return float(np.mean([one.mended for one in found]) - np.mean(changes) - LONGER * np.mean(longer))
 
 
 def first_minute(motion: Motion) -> Motion:
@@ -187,18 +167,15 @@ def first_minute(motion: Motion) -> Motion:
     return replace(motion, q=motion.q[: round(60.0 * motion.rate)])
 
 
-def scores(
-    motions: Sequence[Motion], repairs: bool, people: Sequence[Motion] = ()
-) -> tuple[Any, Callable[[Any], float], float]:
-    """Return the settings that are varied, what scores them, and the noise of scores."""
-    if repairs:
-        broken = [c.motion for c in spoilt_cases(motions) if c.name.split(", ")[-1] in MENDED]
-        return RepairSettings(), partial(repair_score, broken), REPAIR_NOISE
+def certificate_scores(
+    motions: Sequence[Motion], people: Sequence[Motion]
+) -> Callable[[CertificateSettings], float]:
+    """Return what scores settings of certificates on walks, and on motions of people."""
     fast, slow = list(motor_cases(motions[0])), [*spoilt_cases(motions)]
     lawful = [*lawful_cases(motions), *(Case(one.name, one) for one in people)]
     lawful += [*(case for case in fast if case.spoilt is None)]
     spoilt = [*slow, *(case for case in fast if case.spoilt is not None)]
-    return CertificateSettings(), partial(certificate_score, lawful, spoilt), NOISE
+    return partial(certificate_score, lawful, spoilt)
 
 
 def vary_setting(one: DescribedSetting, chosen: Any, score: Callable[[Any], float], noise: float) -> Choice:
@@ -224,10 +201,11 @@ def main() -> None:
     robot = sf.load_robot("g1")
     people = [first_minute(sf.read_motion(path, robot, fps=RATES[0])) for path in given.people]
     motions = list(walks(robot, given.walks, given.seconds))
-    chosen, score, noise = scores(motions, given.repairs, people)
+    of_certificates = None if given.repairs else certificate_scores(motions, people)
     found = []
     for name in given.names or every:
-        one = vary_setting(every[name], chosen, score, noise)
+        score = of_certificates or partial(repair_score, people or repair_cases(name, motions))
+        one = vary_setting(every[name], settings, score, REPAIR_NOISE if given.repairs else NOISE)
         found.append(asdict(one) | {"verdict": one.verdict})
         if not given.json:
             print(f"{name:12} {one.value:8.4g} {every[name].info.unit:6} {one.verdict}")

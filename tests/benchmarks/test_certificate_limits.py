@@ -14,9 +14,9 @@ from benchmarks.certificate_limits import (
     motor_cases,
     repair_score,
     retarget,
-    rising_motion,
     vary_setting,
 )
+from benchmarks.certify.repair_cases import rising_motion
 from benchmarks.limit_choice import Choice
 from surefoot.base.settings import describe
 from surefoot.records.certificates.certificate_settings import CertificateSettings

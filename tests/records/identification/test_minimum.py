@@ -28,14 +28,16 @@ def test_a_parameter_that_still_pays_is_named(capsys: pytest.CaptureFixture[str]
 
 @pytest.mark.long
 def test_a_settled_fit_has_no_parameter_that_pays_and_a_moved_one_is_caught() -> None:
-    law, recorded = ThrownModel(steps=1), random_tosses(8, (0.2, 0.2, 0.003), seed=1, steps=1, frames=45)
+    """The noise is larger than what a toss jumps by where another corner lands first: a fit can settle."""
+    law = ThrownModel(steps=1)
+    recorded = random_tosses(8, (0.2, 0.2, 0.003), seed=1, steps=1, frames=45, noise=12.0)
     fit = identify(recorded, law, resamples=20)
     assert not any("did not settle" in note for note in fit.notes)
     upright, values = fit.found.upright(recorded), np.array([fit[p.name].value for p in law.parameters])
     loss, falls = find_falls(upright, law, fit.found, values, 8)
     assert loss == pytest.approx(fit.loss, rel=1e-9)
     assert min(fall.change for fall in falls) > -0.005
-    moved = find_falls(upright, law, fit.found, values + np.array([0.02, 0.0, 0.0]), 8)[1]
+    moved = find_falls(upright, law, fit.found, values + np.array([0.05, 0.0, 0.0]), 8)[1]
     assert min(moved, key=lambda fall: fall.change).name == "mu"
 
 

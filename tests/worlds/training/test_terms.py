@@ -148,16 +148,26 @@ def test_jax_gives_numpys_numbers_and_finite_slopes(name: str) -> None:
         assert bool(jax.numpy.isfinite(still).all())
 
 
-def test_without_gymnasium_the_wrapper_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("wrapper", ["AuditWrapper", "RecordWrapper"])
+def test_without_gymnasium_a_wrapper_is_one_line(wrapper: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """It names the extra; terms are there all the same."""
     monkeypatch.setitem(sys.modules, "gymnasium", None)
     with pytest.raises(
         sf.SurefootError, match=r"gymnasium is not installed; run: pip install -e '\.\[gym\]'"
     ):
-        sf.rl.AuditWrapper(None)
+        getattr(sf.rl, wrapper)(None)
     with pytest.raises(AttributeError, match="Wrapper"):
         sf.rl.Wrapper  # noqa: B018
     assert sf.rl.terms is not None
+
+
+@pytest.mark.parametrize(("name", "arguments"), [("contact_arrays", 5), ("log_rollouts", 2)])
+def test_without_mujoco_what_reads_its_states_is_one_line(
+    name: str, arguments: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    with pytest.raises(sf.SurefootError, match=r"mujoco is not installed; run: pip install -e '\.\[sim\]'"):
+        getattr(sf.rl, name)(*[None] * arguments)
 
 
 @pytest.mark.filterwarnings("ignore:.*torch.jit.*:DeprecationWarning")  # torch's own, of its compiler

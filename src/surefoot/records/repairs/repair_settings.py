@@ -34,7 +34,7 @@ class RepairSettings(Settings):
         0.5, "m", "shift of the centre of mass that costs as much as the weight", low=1e-3,
         tuned=_source("reach", "0.125 to 32"),
     )  # fmt: skip
-    calm: float = setting(0.05, "s", "deviation of the mean that smooths impossible stretches", low=1e-3)
+    calm: float = setting(0.1, "s", "deviation of the mean that smooths impossible stretches", low=1e-3)
     stretch: float = setting(
         0.1, "s", "time over which the pace changes beside an impossible stretch", low=1e-3
     )  # fmt: skip

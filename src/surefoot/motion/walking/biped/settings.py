@@ -75,12 +75,11 @@ class BipedSettings(Settings):
         "--task g1-step --seeds 6`, 2026-11-26: as good from 2.5 to 2.5",
     )  # fmt: skip
     stretch: float = setting(
-        0.83,
-        "-",
-        "least height of the hips over the ankles, as a share of the leg's length",
-        low=0.0,
-        high=1.0,
-    )
+        0.83, "-", "least height of the hips over the ankles, as a share of the leg's length",
+        low=0.0, high=1.0,
+        tuned="`surefoot bench ablation --vary BipedSettings.stretch --value 0.75 --value 0.9 "
+        "--task g1-fast --seeds 6`, 2026-11-27: as good from 0.75 to 0.83",
+    )  # fmt: skip
     clearance: float = setting(
         0.09, "h", "height of the swing over the ground", low=0.0,
         tuned="`surefoot bench ablation --vary BipedSettings.clearance --factor 20 "
