@@ -23,8 +23,8 @@ slow): the score is the mean share of impossible frames that are mended, less th
 rad, and less a tenth of the logarithm of how much longer or shorter the motion lasts. With --people they are
 judged on those motions alone.
 
-A choice is repeated if no value that was tried scores higher by more than 0.01 (0.02 for repairs), and at
-least one does worse; a setting whose value makes no difference is not decided by these motions.
+A choice is repeated if no value that was tried scores higher by more than 0.01, and at least one does
+worse; a setting whose value makes no difference is not decided by these motions.
 """
 
 from __future__ import annotations
@@ -62,8 +62,8 @@ Of six walks of LAFAN1 as Unitree retargeted them: where the lower foot rests, i
 """
 FALSE = 10.0
 """Weight of lawful frames that are called impossible, over that of frames that are right."""
-NOISE, REPAIR_NOISE = 0.01, 0.02
-"""Differences of scores that say nothing: a single motion's verdict makes up 0.01."""
+NOISE = 0.01
+"""Differences of scores that say nothing: a single motion's verdict makes up as much."""
 LONGER = 0.1
 """Weight of the logarithm of how much longer or shorter a mended motion lasts."""
 
@@ -205,7 +205,7 @@ def main() -> None:
     found = []
     for name in given.names or every:
         score = of_certificates or partial(repair_score, people or repair_cases(name, motions))
-        one = vary_setting(every[name], settings, score, REPAIR_NOISE if given.repairs else NOISE)
+        one = vary_setting(every[name], settings, score, NOISE)
         found.append(asdict(one) | {"verdict": one.verdict})
         if not given.json:
             print(f"{name:12} {one.value:8.4g} {every[name].info.unit:6} {one.verdict}")
