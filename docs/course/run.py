@@ -36,7 +36,7 @@ _LIMIT = 300
 _ROUNDING = re.compile(r"\d(?:\.\d+)?e-(?:0[89]|[1-9]\d)\b")
 """A number that is another on another processor: what rounding left of zero."""
 _ERROR = re.compile(r"\d(?:\.\d+)?e-0[1-7]\b")
-"""The size of an error, where a solver's own limit left it: elsewhere it is in the same decade or the next."""
+"""The size of an error, where a solver's own limit left it: elsewhere in that decade or the next."""
 _ZERO = re.compile(r"(?<![\w.])-(0\.0*)(?!\d)")
 """A zero whose sign is a processor's."""
 
