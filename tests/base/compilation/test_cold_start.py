@@ -117,11 +117,11 @@ def test_uncounted_arrays_are_counted_ones_in_python() -> None:
 
 
 def answer(command: list[str], **environment: str) -> Any:
-    """Return what a command says as JSON."""
+    """Return what a command says as JSON; a slow or busy machine may have to compile after all."""
     environment = {**os.environ, "PYTHONPATH": str(ROOT / "src"), **environment}
     words = [sys.executable, "-m", "surefoot", *command, "--json"]
     done = subprocess.run(words, env=environment, capture_output=True, text=True, check=False)
-    assert done.stderr == ""
+    assert all(line.startswith("surefoot: compiling") for line in done.stderr.splitlines())
     return json.loads(done.stdout)
 
 
