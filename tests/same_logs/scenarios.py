@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-GROUPS = ("quadrupeds", "bipeds", "stand", "loop")
+GROUPS = ("quadrupeds", "slow-gait", "bipeds", "stand", "loop")
 """What has a base of its own in `BASE`: a law that is replaced on purpose moves one of them on."""
 
 
@@ -57,7 +57,7 @@ SCENARIOS: dict[str, Scenario] = {
     "trot-caught": Scenario("quadrupeds", "walk go2 --push 0.8:150,120,0:0.1 --seed 5 --duration 2.5"),
     "trot-leaps": Scenario("quadrupeds", "walk go2 --push 0.8:0,240,0:0.1 --duration 2.5"),
     "walk-slope-payload": Scenario(
-        "quadrupeds",
+        "slow-gait",
         "walk go2 --gait walk --velocity 0.3,0.1,0.2 --slope 8 --payload 2@0.05,0,0.1 --duration 3",
     ),
     "pace": Scenario("quadrupeds", "walk go2 --gait pace --velocity 0.6,0,0 --seed 2 --duration 2"),
