@@ -125,7 +125,7 @@ def test_the_base_names_a_commit_for_every_group() -> None:
     assert read_base(f"# comment\n\n{said}")["loop"] == "1234567"
     for text, wrong in (
         ("walks 1234567", "line 1 is no group"), ("loop 12x4567", "line 1 is no"), ("loop", "line 1 is no"),
-        (f"{said}loop 1234567", "names loop again"), ("loop 1234567", "no commit for quadrupeds, bipeds"),
+        (f"{said}loop 1234567", "names loop again"), ("loop 1234567", "no commit for quadrupeds, slow-gait"),
     ):  # fmt: skip
         with pytest.raises(ValueError, match=wrong):
             read_base(text)
