@@ -87,7 +87,7 @@ def execute(path: Path) -> dict[str, Any]:
         places = {"IPYTHONDIR": f"{folder}/ipython", "JUPYTER_RUNTIME_DIR": f"{folder}/jupyter"}
         resources = {"metadata": {"path": folder}}
         client = NotebookClient(
-            notebook, timeout=SECONDS, kernel_name="python3", resources=resources,
+            notebook, timeout=SECONDS, kernel_name="python3", resources=resources, coalesce_streams=True,
             extra_arguments=["--IPKernelApp.log_level=40"],  # errors alone: it warns of its own sockets
         )  # fmt: skip
         client.execute(env=os.environ | places)

@@ -121,6 +121,7 @@ def run(name: str) -> Ran:
     client = NotebookClient(
         nbformat.v4.new_notebook(cells=[*book.cells, nbformat.v4.new_code_cell()]),
         timeout=_LIMIT,
+        coalesce_streams=True,  # a slow machine sends what is printed in parts
         km=_kernel(),
     )
     with client.setup_kernel():
