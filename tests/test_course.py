@@ -329,25 +329,6 @@ def test_what_is_no_longer_current_is_told(tmp_path: Path, monkeypatch: pytest.M
     assert any("zh/mini.ipynb is not its .md's" in fault for fault in pair_faults("mini"))
 
 
-@pytest.mark.parametrize(
-    ("kept", "fresh", "same"),
-    [
-        ("[[-0.  0.  39.4485]", "[[ 0. -0.  39.4485]", True),
-        ("[[-0.5  0.  39.4485]", "[[ 0.5  0.  39.4485]", False),
-        ("39.4485", "39.4486", False),
-        ("| scs | 8.2e-05 | 0.0 % |", "| scs | 2.6e-05 | 0.0 % |", True),
-        ("| scs | 8.2e-05 | 0.0 % |", "| scs | 8.2e-05 | 0.1 % |", False),
-        ("| scs | 8.2e-05 |", "| scs | 2.6e-07 |", False),
-        ("residual 3e-16", "residual 4e-12", True),
-        ("residual 3e-16", "residual 4", False),
-    ],
-)
-def test_only_what_processors_make_differ_is_let_pass(kept: str, fresh: str, same: bool) -> None:
-    from docs.course.run import is_same
-
-    assert is_same(kept, fresh) is same
-
-
 def test_pages_are_chosen_by_name_or_how_it_begins() -> None:
     known = ["52.2.1-pyramids", "52.2.2-wrench-cone", "errata"]
     assert only(["52.2"], known) == known[:2]
