@@ -40,7 +40,7 @@ from typing import Any
 import numpy as np
 
 import surefoot as sf
-from benchmarks.certify.corruptions import CORRUPTIONS, resampled
+from benchmarks.certify.corruptions import resampled, spoil_each
 from benchmarks.certify.executed import noisy
 from benchmarks.certify.recordings import walks
 from benchmarks.certify.repair_cases import RATE, changed, knees, repair_cases, rising_motion, slow_knees
@@ -116,12 +116,8 @@ def retarget(motion: Motion) -> Motion:
 
 def spoilt_cases(motions: Sequence[Motion]) -> Iterator[Case]:
     """Yield walks spoilt in every way."""
-    for corruption in CORRUPTIONS:
-        rng = np.random.default_rng(0)
-        for motion in motions:
-            one = resampled(motion, RATES[0])
-            q, touched = corruption.spoil(one, rng)
-            yield Case(f"{motion.name}, {corruption.name}", replace(one, q=q), touched)
+    for corruption, one, touched in spoil_each([resampled(motion, RATES[0]) for motion in motions]):
+        yield Case(f"{one.name}, {corruption.name}", one, touched)
 
 
 def motor_cases(motion: Motion) -> Iterator[Case]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -223,3 +223,12 @@ CORRUPTIONS = (
     Corruption("joint order", joint_order, (), 0.96, 0.98),
 )
 """Those that a certificate shall find, by frames and by clips."""
+
+
+def spoil_each(motions: Sequence[Motion]) -> Iterator[tuple[Corruption, Motion, BoolArray]]:
+    """Yield every corruption, each motion spoilt by it, and the frames (T,) that it touched."""
+    for corruption in CORRUPTIONS:
+        rng = np.random.default_rng(0)
+        for motion in motions:
+            q, touched = corruption.spoil(motion, rng)
+            yield corruption, replace(motion, q=q), touched

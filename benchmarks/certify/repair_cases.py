@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 import surefoot as sf
-from benchmarks.certify.corruptions import CORRUPTIONS, resampled
+from benchmarks.certify.corruptions import resampled, spoil_each
 from surefoot.base.arrays import BoolArray
 from surefoot.records.motions.motion import Motion
 
@@ -86,23 +86,14 @@ def heaving(motion: Motion) -> Motion:
     return replace(motion, q=q)
 
 
-def spoilt_walks(motions: Sequence[Motion]) -> list[Motion]:
-    """Return walks spoilt in the ways that shifts of the body and of feet mend."""
-    out = []
-    for corruption in CORRUPTIONS:
-        rng = np.random.default_rng(0)
-        if corruption.name in MENDED:
-            out += [replace(one, q=corruption.spoil(one, rng)[0]) for one in motions]
-    return out
-
-
 def repair_cases(name: str, walks: Sequence[Motion]) -> list[Motion]:
     """Return the impossible motions that decide a setting of repairs, from walks of one robot."""
-    robot, slow = walks[0].robot, [resampled(one, RATE) for one in walks]
-    made: dict[str, Callable[[], list[Motion]]] = {
-        "lowest": lambda: [raised_foot(robot)],
-        "drift": lambda: [heaving(one) for one in slow],
-    }
-    for setting in ("calm", "stretch", "slowest", "paces"):
-        made[setting] = lambda: [slow_knees(rising_motion(robot), share) for share in WEAK]
-    return made.get(name, lambda: spoilt_walks(slow))()
+    robot = walks[0].robot
+    if name == "lowest":
+        return [raised_foot(robot)]
+    if name in ("calm", "stretch", "slowest", "paces"):
+        return [slow_knees(rising_motion(robot), share) for share in WEAK]
+    slow = [resampled(one, RATE) for one in walks]
+    if name == "drift":
+        return [heaving(one) for one in slow]
+    return [spoilt for corruption, spoilt, _ in spoil_each(slow) if corruption.name in MENDED]
