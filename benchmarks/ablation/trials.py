@@ -43,11 +43,20 @@ class TrialError(SurefootError):
 
 
 def run_trials(
-    change: Change, tasks: Sequence[str], seeds: Sequence[int]
+    change: Change, tasks: Sequence[str], seeds: Sequence[int], longest: float | None = None
 ) -> Generator[dict[str, Any], None, None]:
-    """Yield the records of a change's trials, task after task; closing the generator ends its process."""
+    """Yield the records of a change's trials, task after task; closing the generator ends its process.
+
+    Parameters
+    ----------
+    change, tasks, seeds
+        What is tried.
+    longest
+        When walks end that would last longer [s]; None for each task's own length.
+    """
     request = {
-        "changes": dict(change.changes), "without": change.without, "tasks": list(tasks), "seeds": list(seeds)
+        "changes": dict(change.changes), "without": change.without, "tasks": list(tasks),
+        "seeds": list(seeds), "longest": longest,
     }  # fmt: skip
     paths = [str(ROOT), str(ROOT / "src"), os.environ.get("PYTHONPATH", "")]
     process = subprocess.Popen(
@@ -80,10 +89,16 @@ class Trials:
         See `Tell`.
     keep
         File to which records are appended; None for none.
+    longest
+        See `run_trials`.
     """
 
-    def __init__(self, seeds: Sequence[int], total: int, tell: Tell, keep: Path | None = None) -> None:
+    def __init__(
+        self, seeds: Sequence[int], total: int, tell: Tell, keep: Path | None = None,
+        longest: float | None = None,
+    ) -> None:  # fmt: skip
         self.seeds, self.total, self._tell, self._keep = seeds, total, tell, keep
+        self._longest = longest
         self.records: dict[str, list[dict[str, Any]]] = {}
         self.done = 0
 
@@ -102,7 +117,7 @@ class Trials:
         known = self.records.setdefault(change.name, [])
         missing = [task for task in tasks if task not in {one["task"] for one in known}]
         if missing:
-            running = run_trials(change, missing, self.seeds)
+            running = run_trials(change, missing, self.seeds, self._longest)
             for record in running:
                 self._note(change, record)
                 mine = [one for one in known if one["task"] == record["task"]]

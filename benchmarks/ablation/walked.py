@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from benchmarks.ablation.parts import TASKS
@@ -55,9 +55,10 @@ class Walked(Surefoot):
         return Timed(walker, LatencyCompensation(walker, job.robot, job.dt))
 
 
-def carry_out_task(name: str, seed: int, without: str = "") -> dict[str, Any]:
+def carry_out_task(name: str, seed: int, without: str = "", longest: float | None = None) -> dict[str, Any]:
     """Return what became of a task with a seed: whether it was done, and its measures."""
     task = TASKS[name]
+    task = replace(task, duration=min(task.duration, longest or task.duration))
     trial = carry_out(Walked(without, task.watch, task.gait), task, seed)
     done = trial.upright if task.stops else trial.survived(asked_velocity(task))
     m = trial.measures

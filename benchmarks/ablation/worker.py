@@ -1,7 +1,8 @@
 """Trials with some of the settings changed, one JSON line each, in a process of their own.
 
 Run by `benchmarks.ablation.trials`: python -m benchmarks.ablation.worker JSON, with "changes" (settings by
-"Class.setting"), "without" (the name of a behaviour), "tasks" and "seeds".
+"Class.setting"), "without" (the name of a behaviour), "tasks", "seeds" and "longest" [s] (null: each
+task's own length).
 """
 
 from __future__ import annotations
@@ -24,7 +25,9 @@ def main(words: list[str]) -> None:
     changes.check()
     for task in given["tasks"]:
         for seed in given["seeds"]:
-            print(json.dumps(_line(carry_out_task(task, seed, given["without"]))), flush=True)
+            print(
+                json.dumps(_line(carry_out_task(task, seed, given["without"], given["longest"]))), flush=True
+            )
 
 
 def _line(found: dict[str, Any]) -> dict[str, Any]:

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 WIDTH = 170
 """Columns that the table needs."""
+QUICK = 1.0
+"""Length of a walk of --quick [s]."""
 MEANINGS = (
     "done: survived, or upright where a robot should stop, before and after. chance: of so unequal a split "
     "if nothing is lost. Differences: means over seeds done both ways, 95 % intervals; * worse, + better, "
@@ -46,7 +48,7 @@ def ablation(
     ] = None,
     task: Annotated[list[str] | None, typer.Option(help="Only this task; may be repeated.")] = None,
     seeds: Annotated[int, typer.Option(min=1, max=1000, help="Trials of each task.")] = 6,
-    quick: Annotated[bool, typer.Option("--quick", help="One part, one task, one seed.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="One part, one task, one seed, one second.")] = False,
     out: Annotated[Path | None, typer.Option(help="Keep every trial in a new folder below this one.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
 ) -> int:
@@ -80,14 +82,15 @@ def ablation(
             elif quiet:
                 typer.echo(f"{done}/{count} {line}", err=True)
 
+        def make(total: int) -> Trials:
+            return Trials(given, total, tell, keep, QUICK if quick else None)
+
         keep = None if folder is None else folder / "trials.jsonl"
         try:
             if vary is not None:
-                _vary(
-                    vary, (value, factor), task, quick, record, rows, lambda n: Trials(given, n, tell, keep)
-                )
+                _vary(vary, (value, factor), task, quick, record, rows, make)
             else:
-                _leave_out(parts, task, quick, rows, lambda n: Trials(given, n, tell, keep))
+                _leave_out(parts, task, quick, rows, make)
             record["complete"] = True
         except KeyboardInterrupt:
             pass  # what there is so far is the answer

@@ -131,7 +131,10 @@ def test_a_choice_is_repeated_if_no_value_is_better_and_one_is_worse() -> None:
 def test_a_value_that_is_worse_ends_its_tasks_and_the_values_beyond(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[tuple[str, str]] = []
 
-    def carried_out(change: Change, tasks: list[str], seeds: range) -> Generator[dict[str, Any], None, None]:
+    def carried_out(
+        change: Change, tasks: list[str], seeds: range, longest: float | None
+    ) -> Generator[dict[str, Any], None, None]:
+        assert longest is None
         (value,) = change.changes.values() or (0.22,)
         for task in tasks:
             for seed in seeds:

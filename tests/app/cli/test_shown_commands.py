@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import runpy
 import shlex
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from copy import deepcopy
 from dataclasses import replace
 from itertools import pairwise
@@ -21,6 +21,8 @@ import pytest
 import yaml
 
 import surefoot as sf
+from benchmarks.ablation import trials as ablation_trials
+from benchmarks.ablation.trials import Change
 from benchmarks.problems.logged_runs import CleanRun
 from benchmarks.problems.tosses import random_tosses, write_tosses
 from benchmarks.softening import race
@@ -176,10 +178,23 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module", autouse=True)
-def searched_once() -> Iterator[None]:
-    """Let commands that ask for the same plan, or the same way through a small program, share the answer."""
-    plans, ways = dict[str, Any](), dict[Any, Any]()
-    make_plan, race_all = planner.plan, race.run
+def done_once() -> Iterator[None]:
+    """Let commands that ask for the same plan, the same way through a small program, or a trial share it.
+
+    Of a hundred and fifty ablations each task is walked as it is and with the first setting that is varied
+    over it: that all settings can be changed is tests/benchmarks/test_ablation.py's.
+    """
+    plans, ways, trials = dict[str, Any](), dict[Any, Any](), dict[Any, Any]()
+    make_plan, race_all, walk_all = planner.plan, race.run, ablation_trials.run_trials
+
+    def run_trials(
+        change: Change, tasks: list[str], seeds: range, longest: float | None
+    ) -> Generator[dict[str, Any], None, None]:
+        for task in tasks:
+            key = task, change.changes == {}, change.without
+            if key not in trials:
+                trials[key] = list(walk_all(change, [task], seeds, longest))
+            yield from trials[key]
 
     def plan(robot: Any, task: str, amount: float | None = None, *, tell: Any = None, **options: Any) -> Any:
         key = f"{robot and robot.name} {task} {amount} {sorted(options.items())}"
@@ -199,6 +214,7 @@ def searched_once() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(planner, "plan", plan)
         patch.setattr(race, "run", run)
+        patch.setattr(ablation_trials, "run_trials", run_trials)
         yield
 
 
