@@ -151,6 +151,21 @@ def pytest_configure(config: pytest.Config) -> None:
         config.addinivalue_line("filterwarnings", f"ignore:Error {doing} persistent compilation cache")
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Leave as many cases of a test as its mark `sampled` says, evenly spread, to `make test`."""
+    cases: dict[tuple[str, int], list[pytest.Item]] = {}
+    for item in items:
+        mark = item.get_closest_marker("sampled")
+        if mark is not None and item.get_closest_marker("long") is None:
+            cases.setdefault((item.nodeid.partition("[")[0], mark.args[0]), []).append(item)
+    for (_, count), found in cases.items():
+        kept = {k * (len(found) - 1) // max(count - 1, 1) for k in range(count)}
+        for k, item in enumerate(found):
+            if k not in kept:
+                item.add_marker(pytest.mark.long)
+
+
 def pytest_collection_finish() -> None:
     """Spare the collector what is there for good."""
     gc.collect()

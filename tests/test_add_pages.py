@@ -88,6 +88,7 @@ def test_a_log_format_from_outside_comes_back_to_the_last_bit() -> None:
         sf.read_log("log.xyz")
 
 
+@pytest.mark.long
 def test_a_gait_from_outside_walks() -> None:
     names = run_page("add-a-gait.md")
     summary, log = names["summary"], names["log"]
@@ -98,6 +99,7 @@ def test_a_gait_from_outside_walks() -> None:
     np.testing.assert_allclose(planned, 0.6, atol=0.02)
 
 
+@pytest.mark.long
 def test_a_behaviour_from_outside_crouches_below_a_bar_and_the_log_says_who_asked() -> None:
     names = run_page("add-a-behaviour.md")
     log, walker, crouching = names["log"], names["walker"], names["crouching"]
@@ -114,6 +116,7 @@ def test_a_behaviour_from_outside_crouches_below_a_bar_and_the_log_says_who_aske
     assert np.median(np.gradient(x[below], 1e-3)) < 0.28
 
 
+@pytest.mark.long
 def test_a_terrain_from_outside(capfd: pytest.CaptureFixture[str]) -> None:
     names = run_page("add-a-terrain.md")
     assert names["codes"] == [0]
@@ -132,6 +135,7 @@ def test_a_terrain_from_outside(capfd: pytest.CaptureFixture[str]) -> None:
         assert reading.forces[:, 2].sum() > 10.0
 
 
+@pytest.mark.long
 def test_a_world_from_outside(capsys: pytest.CaptureFixture[str]) -> None:
     names = run_page("add-a-world.md")
     assert names["codes"] == [0]

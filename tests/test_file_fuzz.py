@@ -6,6 +6,7 @@ import copy
 import json
 import random
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from surefoot.app.cli.scenario_file import WALK_KEYS, ScenarioFile
 from surefoot.app.export import read_sequence
 from surefoot.app.export.sequence_file import sequence_to_dict
 from surefoot.base.errors import SurefootError
-from surefoot.mechanics.robot import load_robot
+from surefoot.mechanics.robot import Robot, load_robot
 from surefoot.mechanics.stance.files import read_stance
 from surefoot.motion.policy.publishers import read_description
 from surefoot.motion.policy.spec import PolicySpec, missing
@@ -37,9 +38,14 @@ MAPPING = {
 }  # fmt: skip
 
 
+@cache
+def _go2() -> Robot:
+    return load_robot("go2")
+
+
 def read_policy(path: Path) -> object:
     """Return what a policy's description says; one that lacks keys is said by the caller."""
-    robot = load_robot("go2")
+    robot = _go2()
     table = read_description(path, robot)
     table.pop("convention", None)
     return None if missing(table) else PolicySpec.of(table, robot)

@@ -195,6 +195,7 @@ COPIES = {
 
 @pytest.mark.parametrize("how", COPIES)
 @pytest.mark.parametrize("name", CASES)
+@pytest.mark.sampled(12)
 def test_a_copy_goes_on_to_the_last_bit_and_leaves_the_first_alone(name: str, how: str) -> None:
     thing = moved(name)
     again = COPIES[how](thing)
@@ -207,6 +208,7 @@ def test_a_copy_goes_on_to_the_last_bit_and_leaves_the_first_alone(name: str, ho
     [("Robot", "MujocoWorld", "ContactSolver"), pytest.param((*CASES,), marks=pytest.mark.long)],
     ids=["some", "all"],
 )
+@pytest.mark.long
 def test_another_process_goes_on_to_the_last_bit(names: tuple[str, ...]) -> None:
     things = {name: moved(name) for name in names}
     with multiprocessing.get_context("spawn").Pool(1) as pool:

@@ -92,6 +92,7 @@ def given_back(value: Any) -> Any:
     return value
 
 
+@pytest.mark.long
 def test_another_process_gives_all_of_them_back() -> None:
     values = {name: make() for name, make in EVERYTHING.items()}
     with multiprocessing.get_context("spawn").Pool(1) as pool:

@@ -62,12 +62,14 @@ def test_a_warm_start_cannot_make_it_lie(name: str, start: str) -> None:
 
 
 @pytest.mark.parametrize("most", [0, pytest.param(1, marks=pytest.mark.long), 3])
+@pytest.mark.long
 def test_stopping_early_cannot_make_it_lie(most: int) -> None:
     found = list(sweep(SAMPLE, range(400, 403), ("auto", "nsgs", "admm"), 1e-8, ["cold"], 0.05, most))
     check(found, f" --max-iterations {most}")
 
 
 @pytest.mark.parametrize("tol", [0.0, 1e-14, 1e-12, 1e-4])
+@pytest.mark.sampled(2)
 def test_no_tolerance_makes_it_lie(tol: float) -> None:
     found = list(sweep(SAMPLE, range(500, 504), ("auto",), tol, ["cold"], 0.05, 1000))
     check(found)
@@ -88,6 +90,7 @@ def test_a_body_that_cannot_be_stopped_is_not_solved(law: str, tol: float) -> No
     assert found.status is sf.Status.INFEASIBLE
 
 
+@pytest.mark.long
 def test_rounding_of_a_huge_friction_coefficient_is_counted() -> None:
     """A sliding speed of rounding's size, times mu, is a velocity that the law sees: such are not SOLVED."""
     rng = np.random.default_rng(5)

@@ -52,6 +52,7 @@ def positive_definite(seed: int, spread: float, condition: float) -> sf.LCP:
 @pytest.mark.parametrize(
     ("spread", "condition", "least"), [(4, 2, 1.0), (10, 6, 0.7), (40, 10, 0.3), (240, 12, 0.1)]
 )
+@pytest.mark.sampled(2)
 def test_positive_definite_problems_are_never_called_infeasible(
     spread: float, condition: float, least: float
 ) -> None:

@@ -149,6 +149,7 @@ def test_fclib_as_it_should_be(tmp_path: Path) -> None:
         ({"spacedim": [3, 3]}, "spacedim must be one whole number"),
     ],
 )
+@pytest.mark.sampled(3)
 def test_bad_indices_and_sizes_are_named(changes: dict[str, object], words: str, tmp_path: Path) -> None:
     ((_, said, _, _),) = read_apart([fclib(tmp_path / "bad.hdf5", **changes)])
     assert said == "refused"

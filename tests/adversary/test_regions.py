@@ -183,6 +183,7 @@ def run(count, seed):
     return wrong, heard
 
 
+@pytest.mark.long
 def test_stated_gaps_are_true():
     wrong, heard = run(48, 0)
     assert not wrong, "\n".join(wrong)

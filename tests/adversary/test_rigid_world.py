@@ -76,6 +76,7 @@ def allowed(world: RigidWorld, kinetic: float) -> float:
 
 @pytest.mark.parametrize("dt", [1e-3, 5e-3])
 @pytest.mark.parametrize("name", ["go2", "g1", "anymal_c", "solo12", "cat", "plank", "cube"])
+@pytest.mark.sampled(3)
 def test_limp_bodies_make_no_energy(name, dt):
     """Whirling at 15 rad/s, thrown onto flat, sloping and rough ground."""
     for seed in range(3):

@@ -24,6 +24,7 @@ from surefoot.worlds.sweep.config import read_sweep
         ("colour: red", "unknown key 'colour'; valid names: "),
     ],
 )
+@pytest.mark.sampled(3)
 def test_every_reader_says_it_alike(read: object, text: str, message: str, tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text(text)
     assert callable(read)

@@ -175,6 +175,7 @@ def test_changes_reach_classes_that_are_made_afterwards() -> None:
     assert (Gains().stiffness, Gains().damping) == (3.0, 1.0)
 
 
+@pytest.mark.long
 def test_a_process_of_trials_can_change_every_setting_that_the_page_counts() -> None:
     from docs.settings import rows_of, settings_classes
 

@@ -9,6 +9,7 @@ import pytest
 pytest.importorskip("mujoco")
 
 
+@pytest.mark.long
 def test_the_command_prints_that_both_agree(capsys: pytest.CaptureFixture[str]) -> None:
     from surefoot.app.cli.main import main
 

@@ -31,6 +31,7 @@ def large_problems() -> list[NamedProblem]:
     return problem_set("large", copies=0.01)
 
 
+@pytest.mark.long
 def test_sets_have_the_promised_sizes() -> None:
     robot = problem_set("robot", copies=0.01)
     assert {p.family for p in robot} <= set(families("robot"))
@@ -108,6 +109,7 @@ def test_compare_certifies_everybody() -> None:
     assert all(r.solved and r.residual <= 1e-8 and r.seconds > 0 for r in found.runs if r.solver == "auto")
 
 
+@pytest.mark.long
 def test_command_writes_json_and_pictures(tmp_path: Path, answer: Any) -> None:
     source = tmp_path / "files"
     source.mkdir()

@@ -22,6 +22,7 @@ SHORT = [("pd quadruped", "weak actuator"), ("hopper", "delayed control"), ("pd 
 
 
 @pytest.mark.parametrize("loop", [*LOOPS, *OTHERS], ids=lambda loop: loop.name)
+@pytest.mark.sampled(2)
 def test_a_loop_without_a_fault_attains_its_task(loop: Loop) -> None:
     run = loop.lawful(0)
     assert run.failure == ""
@@ -76,6 +77,7 @@ def test_other_robots_are_of_no_half() -> None:
     assert {cause for _, cause, _ in race.plan_of_others([0], ["push"])} == {"push", ""}
 
 
+@pytest.mark.long
 def test_a_seed_is_one_run() -> None:
     one, other = (ABLE["hopper"].failed("delayed control", 0).log for _ in range(2))
     assert set(one) == set(other)

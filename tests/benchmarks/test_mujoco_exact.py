@@ -43,6 +43,7 @@ def test_a_folder_without_models_is_one_line(tmp_path: Path) -> None:
     assert "gymnasium dm_control" in " ".join(result.output.split())
 
 
+@pytest.mark.long
 def test_bodies_with_closed_forms() -> None:
     """The exact step has them; a rod jams at once; the lean after an impact is Housner's."""
     options, exact = runs_compared()["exact"]

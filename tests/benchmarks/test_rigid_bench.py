@@ -1,10 +1,12 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from benchmarks.rigid_world import drop
 
 
+@pytest.mark.long
 def test_drop_is_measured_in_both_worlds():
     results = [drop(world, "go2", 0.05, 1.0) for world in ("rigid", "mujoco")]
     for result in results:

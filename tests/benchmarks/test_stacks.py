@@ -163,6 +163,7 @@ def test_trials_of_another_setting_are_not_mixed(monkeypatch: pytest.MonkeyPatch
         measure(small(1), tmp_path)
 
 
+@pytest.mark.long
 def test_a_real_trial_from_the_command_line(printed: Any, answer: Any, tmp_path: Path) -> None:
     words = ["bench", "stacks", "--stack", "surefoot", "--task", "speed-0.2", "--seeds", "1", "--ideal"]
     record = answer(*words, "--out", tmp_path)

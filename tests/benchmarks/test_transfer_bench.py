@@ -7,6 +7,7 @@ import pytest
 from benchmarks import transfer
 
 
+@pytest.mark.long
 def test_the_quick_table_has_softness_lose(capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("mujoco")
     transfer.main(["--quick", "--seeds", "5"])

@@ -45,6 +45,7 @@ def test_a_command_names_the_setting_that_it_stands_at(one: Setting) -> None:
     assert RANGE.search(one.info.source), "the verdict stands behind the date"
 
 
+@pytest.mark.long
 def test_a_program_that_chose_a_setting_is_there() -> None:
     program = re.compile(r"`python -m ([\w.]+)[^`]*`")
     named = {

@@ -20,6 +20,7 @@ def programs():
 
 
 @pytest.mark.parametrize("which", range(len(NAMES)), ids=NAMES)
+@pytest.mark.sampled(3)
 def test_every_rival_solves_in_every_form(programs, which):
     mpc, todo = programs
     rival = rivals()[which]
@@ -32,6 +33,7 @@ def test_every_rival_solves_in_every_form(programs, which):
 
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.name)
+@pytest.mark.sampled(2)
 def test_scenes_are_what_they_say(scene):
     inputs = record(scene, 60)
     share = np.mean([item.contacts.mean() for item in inputs])

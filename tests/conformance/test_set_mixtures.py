@@ -55,6 +55,7 @@ def mixture(seed: int) -> tuple[sf.ContactProblem, bool]:
 
 
 @pytest.mark.parametrize("start", range(0, 240, 40))
+@pytest.mark.sampled(2)
 def test_no_false_claim(start: int) -> None:
     missed = possible = proven = 0
     for seed in range(start, start + 40):

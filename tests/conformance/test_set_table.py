@@ -56,6 +56,7 @@ def problem_of(
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("kind", list(KINDS))
 @pytest.mark.parametrize("solver", list(SOLVERS))
+@pytest.mark.sampled(18)
 def test_solves_its_share_by_the_laws_themselves(solver: str, kind: str, law: str) -> None:
     solved, total = 0, 24
     for seed in range(total):

@@ -159,6 +159,7 @@ def test_no_claim_without_a_solution(name: str, case: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["auto", "nsgs", "admm", "newton"])
+@pytest.mark.sampled(2)
 def test_time_is_bounded(name: str) -> None:
     problem = large_problems()[0][1]
     sf.solve(problem, name, max_iterations=1)  # compile

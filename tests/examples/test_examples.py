@@ -66,6 +66,7 @@ def test_can_it_stand(capsys: pytest.CaptureFixture[str]) -> None:
     assert "no force works against the motion" in text
 
 
+@pytest.mark.long
 def test_a_trot_over_bumps_takes_a_push(tmp_path: Path, load) -> None:
     facts = load("30_trot").main(tmp_path, duration=4.0)
     assert facts["walked"] == 1.0

@@ -58,6 +58,7 @@ def test_soles_carry_the_same_wrench():
 
 
 @pytest.mark.parametrize(("name", "push"), [("go2", [48.0, 24.0, 0.0]), ("g1", [40.0, 20.0, 0.0])])
+@pytest.mark.long
 def test_a_push_moves_the_base_alike(name, push):
     robot = sf.load_robot(name)
     paths = [

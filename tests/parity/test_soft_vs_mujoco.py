@@ -27,6 +27,7 @@ SOFTNESS = {
     ("solref", "solimp"),
     [pytest.param(*v, id=k, marks=() if k == "default" else pytest.mark.long) for k, v in SOFTNESS.items()],
 )
+@pytest.mark.long
 def test_a_dropped_ball(solref, solimp):
     mass, paths, dt = 3.0, [], 2e-4
     body = ball(mass, 0.1)
@@ -50,6 +51,7 @@ def test_a_dropped_ball(solref, solimp):
     assert np.abs(ours - mujoco)[: round(0.2 / dt)].max() < 0.05 * deepest
 
 
+@pytest.mark.long
 def test_go2_rests_at_mujocos_depth():
     robot, soft = sf.load_robot("go2"), {"solref": (0.02, 1.0), "solimp": (0.9, 0.95)}
     made = MujocoWorld(robot, **soft)

@@ -59,6 +59,7 @@ def bridge(monkeypatch: pytest.MonkeyPatch) -> BridgeReplica:
     return made
 
 
+@pytest.mark.long
 def test_a_simulator_is_told_by_itself(bridge: BridgeReplica, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([*SHORT]) == 0
     assert json.loads(capsys.readouterr().out)["fault"] == ""
@@ -77,6 +78,7 @@ def test_a_simulator_beyond_this_machine_is_not(
 
 
 @pytest.mark.parametrize("when", [1.5, 5.5])
+@pytest.mark.long
 def test_an_ignored_interrupt_is_still_the_emergency_stop(
     bridge: Interrupted, capsys: pytest.CaptureFixture[str], when: float
 ) -> None:

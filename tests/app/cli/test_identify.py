@@ -42,6 +42,8 @@ def test_json_holds_the_fit_and_both_errors(folder: Path, answer: Any) -> None:
     assert set(rival["fit"]) >= {"mu", "solref_time", "solref_ratio", "solimp_least", "solimp_most"}
 
 
+@pytest.mark.long
+@pytest.mark.long
 def test_tables_laws_and_picture(folder: Path, tmp_path: Path, printed: Any) -> None:
     pytest.importorskip("matplotlib")
     words = ("--law", "rigid", "--law", "newton", "--rivals", "none", "--out", tmp_path)

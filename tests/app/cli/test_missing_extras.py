@@ -61,6 +61,7 @@ def test_all_that_is_missing_is_named_at_once(
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.long
 def test_a_run_without_pictures_says_so_in_one_line(
     tmp_path: Path, printed: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -91,6 +92,7 @@ def test_a_full_disk_leaves_no_empty_picture(
     assert not list(tmp_path.rglob("*.png"))
 
 
+@pytest.mark.long
 def test_a_home_that_cannot_be_written_is_no_chatter(tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-m", "surefoot", "cone", "--out", str(tmp_path)],

@@ -27,6 +27,7 @@ def shell(line: str, **variables: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.parametrize("output", [">&-", "2>&-", "| true", "--json | true"])
+@pytest.mark.sampled(2)
 def test_closed_outputs_change_no_exit_code(output: str) -> None:
     done = shell(f"surefoot {POSSIBLE} {output}")
     assert done.returncode == 0

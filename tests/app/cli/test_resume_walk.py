@@ -49,6 +49,7 @@ def test_a_walk_goes_on_to_the_same_log_and_leaves_the_first_one_as_it_was(
     assert sorted(path.name for path in walked.iterdir()) == ["log.npz", "summary.json"]
 
 
+@pytest.mark.long
 def test_pushes_velocity_and_end_may_be_others(walked: Path, tmp_path: Path) -> None:
     options = ("--at", "0.3", "--push", "0.4:0,40,0:0.1", "--velocity", "0.2,0,0.1", "--duration", "1")
     whole, log = read_log(walked / "log.npz"), resumed(walked, tmp_path, *options, "--keep-states", "0.2")
@@ -60,6 +61,7 @@ def test_pushes_velocity_and_end_may_be_others(walked: Path, tmp_path: Path) -> 
     assert again["q"].tobytes() == log["q"][500:].tobytes()
 
 
+@pytest.mark.long
 def test_a_walk_that_goes_on_can_be_told_to_stop(walked: Path, tmp_path: Path) -> None:
     """A controller that is made for no velocity has another gait; the one that walks is steered."""
     log = resumed(walked, tmp_path, "--at", "0.5", "--velocity", "0,0,0", "--duration", "2.5")
@@ -130,6 +132,7 @@ def test_a_log_without_states_a_broken_one_and_one_of_another_version_are_refuse
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.long
 def test_what_a_run_leaves_whose_log_was_not_saved_goes_on_as_well(
     walked: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

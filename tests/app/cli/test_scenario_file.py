@@ -88,6 +88,7 @@ def test_stands_on_soft_ground(summary: Any, tmp_path: Path) -> None:
     assert (found["stood"], found["laws_broken"]) == (True, [])
 
 
+@pytest.mark.long
 def test_walks_in_the_rigid_world_and_stands_on_mujocos_own_ground(summary: Any, tmp_path: Path) -> None:
     found = summary(None, "walk", "--world", "rigid", "--duration", "1")
     assert found["walked"] is True
@@ -97,6 +98,7 @@ def test_walks_in_the_rigid_world_and_stands_on_mujocos_own_ground(summary: Any,
     assert found["laws"]["sinking"] > found["laws"]["penetration_max"] > 1e-3  # as its ground declares
 
 
+@pytest.mark.long
 def test_the_true_state_is_chosen(summary: Any, tmp_path: Path) -> None:
     known = summary(written(tmp_path, "estimator: truth"), "walk", "--duration", "1.2")
     estimated = summary(None, "walk", "--duration", "1.2")

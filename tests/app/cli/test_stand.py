@@ -23,6 +23,7 @@ def test_stand_writes_everything(tmp_path: Path, printed: Any) -> None:
     assert json.loads((folder / "summary.json").read_text())["stood"] is True
 
 
+@pytest.mark.long
 def test_a_stand_of_which_nothing_is_asked_shows_cones_at_work(tmp_path: Path, answer: Any) -> None:
     summary = answer("stand", "go2", "--out", tmp_path, *QUIET)
     assert [phase["phase"] for phase in summary["statics"]] == ["stance", "with FL_foot lifted"]
@@ -50,6 +51,7 @@ def test_impossible_slope_is_told_not_run(tmp_path: Path, printed: Any, answer: 
     assert facts["statics"][0]["friction_needed"] == pytest.approx(0.7002, abs=1e-3)
 
 
+@pytest.mark.long
 def test_anyway_runs_and_is_honest(tmp_path: Path, answer: Any) -> None:
     options = ["--slope", "35", "--mu", "0.6", "--anyway", "--duration", "2", "--no-video"]
     summary = answer("stand", *options, "--out", tmp_path, code=1)
@@ -57,6 +59,7 @@ def test_anyway_runs_and_is_honest(tmp_path: Path, answer: Any) -> None:
     assert summary["stood"] is False
 
 
+@pytest.mark.long
 def test_without_a_gl_the_run_finishes(tmp_path: Path, printed: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     import mujoco
 

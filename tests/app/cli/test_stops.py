@@ -47,6 +47,7 @@ def at_step(monkeypatch: pytest.MonkeyPatch, number: int, action: Any) -> None:
 
 @pytest.mark.parametrize("command", [STAND, WALK], ids=["stand", "walk"])
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGHUP, 129)])
+@pytest.mark.sampled(2)
 def test_a_signal_ends_a_run_as_ctrl_c_does(
     command: list[str], number: signal.Signals, code: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -63,6 +63,7 @@ def test_samples_with_errors_are_told(
 @pytest.mark.parametrize(
     ("number", "code"), [(signal.SIGINT, 130), pytest.param(signal.SIGTERM, 143, marks=pytest.mark.long)]
 )
+@pytest.mark.long
 def test_an_interrupt_keeps_what_is_written(
     number: signal.Signals, code: int, tmp_path: Path, answer: Any
 ) -> None:

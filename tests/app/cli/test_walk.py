@@ -34,6 +34,7 @@ def test_walk_writes_everything(tmp_path: Path, printed: Any) -> None:
 @pytest.mark.parametrize(
     "robot", ["centauro", "solo8", *(pytest.param(name, marks=pytest.mark.long) for name in ALIKE)]
 )
+@pytest.mark.long
 def test_every_quadruped_walks_as_a_new_user_calls_it(robot: str, tmp_path: Path, printed: Any) -> None:
     said = printed("walk", robot, "--duration", "2.0", "--no-video", "--no-report", "--out", tmp_path)
     assert f"{robot} walked for 2.00 s" in said
@@ -47,6 +48,7 @@ def test_an_impossible_speed_is_slowed_and_said(tmp_path: Path, capfd: pytest.Ca
     assert "is more than this gait can do: slowed to" in capfd.readouterr().out
 
 
+@pytest.mark.long
 def test_a_walk_finds_its_payload_and_says_so(tmp_path: Path, printed: Any) -> None:
     options = ["--duration", "2", "--no-video", "--no-report", "--out", str(tmp_path)]
     said = printed("walk", "go2", "--payload", "4@0.1,0.06,0.08", *options)

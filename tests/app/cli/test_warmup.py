@@ -99,6 +99,7 @@ for k in range(50):
 """
 
 
+@pytest.mark.long
 def test_after_it_a_recorded_loop_and_exact_steps_compile_nothing() -> None:
     """What `warmup` runs for them is all that another loop needs."""
     assert {"record", "step"} <= set(warmup.COMMANDS)
@@ -137,6 +138,7 @@ assert len(cache._caches) == loaded, [c._name for c in cache._caches[loaded:]]
 """
 
 
+@pytest.mark.long
 def test_after_it_episodes_are_audited_without_a_kernel_more() -> None:
     """In a process of its own: what the audit of a loop and of arrays runs, has been loaded."""
     pytest.importorskip("mujoco")

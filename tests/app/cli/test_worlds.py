@@ -62,6 +62,7 @@ def test_help_names_every_experiment() -> None:
     assert worlds.NAMES.split(", ") == list(EXPERIMENTS)
 
 
+@pytest.mark.long
 def test_engines_at_their_defaults(
     answer: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

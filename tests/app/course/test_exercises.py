@@ -87,10 +87,9 @@ def upright(value: Any) -> Any:
 def test_a_right_answer_may_come_in_another_form(number: str, form: Callable[[Any], Any]) -> None:
     plain = functions(solution_text(number))  # whose functions call each other as they were written
     own = {name: lambda *given, right=plain[name]: form(right(*given)) for name in functions_of(number)}
-    for seed in (0, 1, 2):
-        answer = Answer(own, "answer.py")
-        found = [find_failure(answer, one, [seed, place]) for place, one in enumerate(properties_of(number))]
-        assert not any(found), (answer.last, found)
+    answer = Answer(own, "answer.py")
+    found = [find_failure(answer, one, [0, place]) for place, one in enumerate(properties_of(number))]
+    assert not any(found), (answer.last, found)
 
 
 @pytest.mark.parametrize("number", TITLES)

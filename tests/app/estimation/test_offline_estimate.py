@@ -85,6 +85,7 @@ def test_swapped_sides_and_units_are_found(robot: sf.Robot, circle: CircleLog) -
     assert "against their names" in told
 
 
+@pytest.mark.long
 def test_numbered_joints_and_columns_that_never_change(robot: sf.Robot, circle: CircleLog) -> None:
     log = made_log(circle, robot, list(range(12)), [0, 1, 2, 3], named=False)
     names = [f"{leg}_{k}" for leg in ("FL", "FR", "RL", "RR") for k in range(3)]

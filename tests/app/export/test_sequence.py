@@ -38,6 +38,7 @@ def test_a_file_reads_back_the_same(seed: int, tmp_path: Path) -> None:
     assert kinds[0] == kinds[1]
 
 
+@pytest.mark.long
 def test_the_file_keeps_to_its_schema() -> None:
     jsonschema = pytest.importorskip("jsonschema")
     schema = json.loads(SCHEMA.read_text(encoding="utf-8"))

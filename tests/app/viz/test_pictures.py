@@ -37,6 +37,7 @@ def test_every_plot_is_a_picture(log: Log, tmp_path: Path) -> None:
         assert pixels.std() > 0.02  # something is on it
 
 
+@pytest.mark.long
 def test_a_run_is_filmed(log: Log, tmp_path: Path) -> None:
     try:
         path = write_video(log, sf.load_robot("g1"), sf.FlatTerrain(), tmp_path / "film.mp4")

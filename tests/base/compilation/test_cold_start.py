@@ -149,6 +149,7 @@ def problem_file(folder: Path, contacts: int = 4) -> str:
 
 
 @pytest.mark.parametrize("command", ["check", "solve"])
+@pytest.mark.long
 def test_a_command_compiles_nothing_and_says_the_same(command: str, tmp_path: Path) -> None:
     asked = [problem_file(tmp_path)] if command == "solve" else [str(STANCES / "go2_three_legs.yaml")]
     words = [command, *asked, *(["--no-picture"] if command == "check" else [])]

@@ -122,6 +122,7 @@ def answers(
     return dict(json.loads(done.stdout))
 
 
+@pytest.mark.long
 def test_answers_are_those_of_the_other_way_and_kept(tmp_path: Path) -> None:
     """Threads, folded kernels, kernels given to kernels, alone and in tuples, and parts of arrays' memory."""
     usual, first, later = (answers(tmp_path, plain=way) for way in "011")
@@ -135,6 +136,7 @@ def test_answers_are_those_of_the_other_way_and_kept(tmp_path: Path) -> None:
     assert all(Path(folder).is_relative_to(tmp_path / "kept") for folder in later["folders"])
 
 
+@pytest.mark.long
 def test_code_of_a_callee_in_another_file_is_not_kept(tmp_path: Path) -> None:
     """Numba alone would go by the caller's file."""
     ask = "import above, json, numpy as np; print(json.dumps({'values': [above.given(np.ones(3))]}))"

@@ -47,6 +47,7 @@ def representation_gap(halfspaces, rays, samples=0):
 
 
 @pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.sampled(2)
 def test_both_representations_describe_one_set(kind):
     """The self-check on a thousand random cones over all kinds."""
     rng = np.random.default_rng(KINDS.index(kind))

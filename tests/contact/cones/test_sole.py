@@ -84,6 +84,7 @@ def test_verdicts_come_with_proofs(number):
     ("number", "rows"),
     [(3, [6252, 6789, 7656]), (4, [3364, 8383]), (13, [485, 5679, 9532]), (17, [1433, 1560])],
 )
+@pytest.mark.sampled(2)
 def test_wrenches_at_which_rounding_stops_the_steps_are_settled_in_more_digits(number, rows):
     rng = np.random.default_rng(number)
     corners, mu = random_sole(rng, number)

@@ -65,6 +65,7 @@ def test_what_a_direction_may_be() -> None:
     assert sf.solve(bounded).status is not sf.Status.INFEASIBLE
 
 
+@pytest.mark.long
 def test_random_proofs_are_found_and_hold() -> None:
     """Rank-deficient contacts whose pushes cancel, part of them bilateral, beside a part that is well."""
     rng = np.random.default_rng(5)

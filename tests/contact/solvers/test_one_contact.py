@@ -71,6 +71,7 @@ def test_solution_obeys_the_laws(seed: int, mu: float, convex: bool, bound: tupl
 
 
 @pytest.mark.parametrize("convex", [False, True])
+@pytest.mark.long
 def test_matches_a_projected_fixed_point(convex: bool) -> None:
     """r <- P(r - rho (u + shift)) with a small rho: slow, simple, and the definition of a solution."""
     rng = np.random.default_rng(3)

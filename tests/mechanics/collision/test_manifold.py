@@ -68,6 +68,7 @@ def near_pose(rng, one, two):
 
 
 @pytest.mark.parametrize(("first", "second"), PAIRS)
+@pytest.mark.sampled(2)
 def test_contacts_lie_on_both_surfaces(first, second):
     """The least gap is the distance of the two; where that is, both surfaces are half of it away.
 

@@ -33,6 +33,7 @@ def test_a_stop_is_found_at_little_cost() -> None:
     assert MOTIONS["slide"].run(1e-3, None)[0] > 1e-7
 
 
+@pytest.mark.long
 def test_an_impact_while_another_contact_presses_is_met_in_time() -> None:
     """A box tips from an edge onto its face: when it lies flat is found by halving, not by the grid."""
     body = box(2.0, (0.2, 0.2, 0.2))

@@ -71,6 +71,7 @@ CASES = [
 
 
 @pytest.mark.parametrize(("name", "terrain", "height", "mu", "changes"), CASES)
+@pytest.mark.sampled(3)
 def test_blocks_are_those_of_differences_and_of_the_knot(name, terrain, height, mu, changes) -> None:
     seen: set[str] = set()
     near = NEAR if terrain.planar else CURVED

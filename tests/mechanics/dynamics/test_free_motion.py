@@ -33,6 +33,7 @@ def whirl(robot, q, v) -> tuple[np.ndarray, float]:
 @pytest.mark.parametrize(
     ("name", "seed"), [(n, s) for n in ("go2", "g1", "anymal_c", "solo12") for s in range(2)] + [("g1", 2)]
 )
+@pytest.mark.sampled(2)
 def test_limp_robot_keeps_momentum_and_energy(name, seed):
     """Joint speeds of 15 rad/s, 1 ms, 0.5 s; measured: both to 3e-8 (semi-implicit Euler: 43 %, 14 %)."""
     robot = sf.load_robot(name)

@@ -60,6 +60,7 @@ def apart(case: str, gap: float, restitution: float) -> tuple[Stepper, np.ndarra
 @pytest.mark.usefixtures("fine_motion")
 @pytest.mark.parametrize("mu", [0.1, 3.0], ids=["slide", "stick"])
 @pytest.mark.parametrize("case", CASES)
+@pytest.mark.sampled(4)
 def test_two_bodies_on_the_ground(case: str, mu: float) -> None:
     stepper, q, v = apart(case, 7.3e-4, 0.3 if case == "balls" else 0.0)
     d = check(stepper, stepper.start(q, v), np.zeros(0), mu=mu)

@@ -60,6 +60,7 @@ def dropped(law, height: float, seconds: float, dt: float = 1e-3, speed: float =
 
 
 @pytest.mark.parametrize("law", LAWS.values(), ids=LAWS.keys())
+@pytest.mark.sampled(2)
 def test_a_dropped_ball_comes_to_rest_where_the_law_carries_it(law):
     world, gaps, speeds = dropped(law, 0.05, 2.0)
     assert -gaps[-1] == pytest.approx(law.rest_depth(MASS * GRAVITY), rel=1e-6)
@@ -108,6 +109,7 @@ def test_bounce_is_the_one_that_the_implicit_law_has_in_closed_form(law):
     assert 1.6 < errors[0] / errors[1] < 2.5  # first order in dt
 
 
+@pytest.mark.long
 def test_frequency_and_damping_about_rest():
     law, dt = SpringDamper(2e4, 10.0), 1e-4
     expected = sf.laws.behaviour(law, MASS)
@@ -146,6 +148,7 @@ def test_soft_converges_to_rigid_with_the_order_of_its_overlap():
 
 @pytest.mark.parametrize("law", [v for k, v in LAWS.items() if "mujoco" not in k])
 @pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.long) for k in (1, 2))])
+@pytest.mark.sampled(2)
 def test_thrown_box_never_gains_energy(law, seed):
     """Kinetic, potential and stored energy together fall at every step but for `Stepper.stored`'s bound."""
     rng = np.random.default_rng(seed)
@@ -254,6 +257,7 @@ def test_contact_begins_where_the_gap_closes_within_the_step_and_never_pulls():
     st.floats(-0.05, 0.05), st.sampled_from([1e-5, 1e-3, 0.05]),
 )  # fmt: skip
 @settings(max_examples=120, deadline=None)
+@pytest.mark.long
 def test_extreme_laws_and_speeds_give_a_lawful_step_or_a_named_error(name, power, damped, speed, height, dt):
     law = LAWS[name]
     if isinstance(law, SpringDamper):

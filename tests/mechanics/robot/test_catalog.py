@@ -63,6 +63,7 @@ def test_legged_robot_is_placed_on_the_ground(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", sorted(n for n in FLAT if find(n).shapes))
+@pytest.mark.sampled(2)
 def test_soles_lie_on_the_meshes(name: str) -> None:
     """What the catalogue calls the sole is where the foot's mesh ends."""
     robot = load(name)

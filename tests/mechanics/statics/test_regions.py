@@ -65,6 +65,7 @@ def test_regions_between_bounds_are_traced_to_the_end(seed):
         assert region.converged
 
 
+@pytest.mark.long
 def test_region_agrees_with_can_stand_inside_and_outside():
     empty = squeezed = 0
     for case in rough_cases(90, 0):

@@ -68,6 +68,7 @@ POLYGONS = {
 
 
 @pytest.mark.parametrize("number", [0, 1, 2, 3, *POLYGONS])
+@pytest.mark.sampled(2)
 def test_all_users_say_the_same_of_a_foot(number):
     if number in POLYGONS:
         rng, corners, mu, number = np.random.default_rng(5), np.array(POLYGONS[number]), 0.6, 1

@@ -90,6 +90,7 @@ def cheapest(mpc, program, **form):
 
 @pytest.mark.parametrize("kind", ACHIEVED)
 @pytest.mark.parametrize("deviation", [1.0, 3.0])
+@pytest.mark.sampled(2)
 def test_forces_and_cost_are_clarabels(kind, deviation):
     rng = np.random.default_rng([len(kind), int(deviation)])
     cost, force = 0.0, 0.0

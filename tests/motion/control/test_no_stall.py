@@ -72,6 +72,7 @@ if sys.argv[1] == "go2":  # and of the loop of a real robot
 
 
 @pytest.mark.parametrize("robot", ["go2", pytest.param("g1", marks=pytest.mark.long)])
+@pytest.mark.long
 def test_no_step_compiles(robot: str, capsys: pytest.CaptureFixture[str]) -> None:
     """In a new process; `pytest -s` prints what the steps took."""
     done = subprocess.run([sys.executable, "-c", PROGRAM, robot], capture_output=True, text=True, check=False)
@@ -81,6 +82,7 @@ def test_no_step_compiles(robot: str, capsys: pytest.CaptureFixture[str]) -> Non
 
 
 @pytest.mark.parametrize("robot", ["go2", pytest.param("g1", marks=pytest.mark.long)])
+@pytest.mark.long
 def test_plans_can_wait_until_a_command_is_sent(robot: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The MPC runs between steps then; whoever does not call for it has the same torques later."""
     planned, solve = [], ConvexMpc.solve

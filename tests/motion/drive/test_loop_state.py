@@ -101,6 +101,7 @@ def rising(ahead: bool) -> tuple[RobotLoop, MotorRobot]:
         pytest.param(rising, False, 1800, marks=pytest.mark.long),
     ],
 )
+@pytest.mark.long
 def test_a_loop_resumed_in_a_fresh_process_goes_on_to_the_last_bit(
     begin: Callable[[bool], tuple[RobotLoop, MotorRobot]], ahead: bool, steps: int, tmp_path: Path
 ) -> None:
@@ -118,6 +119,7 @@ def test_a_loop_resumed_in_a_fresh_process_goes_on_to_the_last_bit(
     assert done.stdout.split() == [str(steps), loop.mode.name]
 
 
+@pytest.mark.long
 def test_loop_and_simulated_robot_go_on_together() -> None:
     pair = walking(False)
     states = pair[0].state, pair[1].state

@@ -89,6 +89,7 @@ def judge(name: str, seed: int) -> bool:
 
 
 @pytest.mark.parametrize("name", FAULTS)
+@pytest.mark.sampled(4)
 def test_faults_are_damped_within_20_ms(name: str) -> None:
     judge(name, 1)
 

@@ -113,6 +113,7 @@ def free_domain(first: int) -> int:
     return first + os.getpid() % 20
 
 
+@pytest.mark.long
 def test_who_else_commands_is_known_and_named() -> None:
     domain = free_domain(100)
     dialect = dialect_of(sf.load_robot("go2"))

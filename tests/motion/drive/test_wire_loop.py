@@ -75,6 +75,7 @@ BUSY = [
 
 
 @pytest.mark.parametrize(("rate", "seed"), BUSY)
+@pytest.mark.long
 def test_a_busy_computer_ends_no_walk(rate: float, seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Torques come up to 2.5 ms late, and the simulator stands still for 50 or 80 ms at times."""
     bridge = BusyReplica(GO2, rate, seed=seed, lag=2.5e-3, pauses=3.0, longest=LONGEST[rate])
@@ -96,6 +97,7 @@ def test_longer_pauses_may_fell_a_robot_but_the_loop_gives_none_up(
     assert wired_to(bridge).outing([0.5, 0.0, 0.0], 5.0, "sit") in ("", "the robot has fallen")
 
 
+@pytest.mark.long
 def test_a_biped_whose_feet_leave_the_ground_gets_targets_still(monkeypatch: pytest.MonkeyPatch) -> None:
     """A step of the loop never raises, also where somebody lifts a robot that balances."""
     robot = sf.load_robot("g1")
@@ -116,6 +118,7 @@ HUNG = [
 
 
 @pytest.mark.parametrize(("name", "level"), HUNG)
+@pytest.mark.long
 def test_a_robot_that_hangs_says_that_its_feet_carry_nothing(
     name: str, level: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -63,6 +63,7 @@ def test_wrong_input_is_named() -> None:
         FootForceObserver(sf.load_robot("go2", fixed_base=True), 0.001)
 
 
+@pytest.mark.long
 def test_the_page_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(write_hopper(tmp_path))
     names = run_page("leg-forces.md")

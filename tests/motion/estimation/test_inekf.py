@@ -233,6 +233,7 @@ class Course:
 NOISE = FilterNoise(2e-3, 2e-2, 1e-3, 5e-3, foot=5e-3, landing=5e-3, joint=3e-3)
 
 
+@pytest.mark.long
 def test_errors_are_as_large_as_the_covariance_says() -> None:
     """NEES of 200 seeded runs within the 99.8 % interval of its chi-square distribution, at six times."""
     looked, sums = (1, 30, 70, 90, 110, 149), np.zeros((6, 2))

@@ -42,6 +42,7 @@ def check_circles(robot: sf.Robot, seeds: range) -> None:
     assert low < total < high
 
 
+@pytest.mark.long
 def test_error_bars_hold_after_a_circle(robot: sf.Robot) -> None:
     check_circles(robot, range(2))
 
@@ -125,6 +126,7 @@ def read_go1(robot: sf.Robot) -> tuple[np.ndarray, ...]:
 
 @pytest.mark.skipif(not GO1.exists(), reason="the recorded Go1 is not here")
 @pytest.mark.parametrize("start", [0, pytest.param(300, marks=pytest.mark.long), 500, 700])
+@pytest.mark.long
 def test_a_recorded_circle_keeps_its_biases_heading_and_height(robot: sf.Robot, start: int) -> None:
     time, force, gyro, joints, contact = read_go1(robot)
     rest, end = (time > time[0] + 1.75) & (time < time[0] + 1.95), time > time[-1] - 0.5

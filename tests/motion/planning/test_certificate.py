@@ -31,6 +31,7 @@ def test_nothing_pushes_a_hopper_off_ice() -> None:
 
 
 @pytest.mark.parametrize("task", ["ball", "hopper", *LONG])
+@pytest.mark.long
 def test_every_task_keeps_momentum(task: str) -> None:
     made = plan(None, task)
     motion, robot = made.again() if task != "push" else None, made.robot

@@ -5,6 +5,7 @@ import pytest
 from tests.pages import run_page
 
 
+@pytest.mark.long
 def test_the_python_of_the_page_on_schedules_runs() -> None:
     pytest.importorskip("casadi")
     names = run_page("schedules.md")

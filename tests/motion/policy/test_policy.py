@@ -312,6 +312,7 @@ def test_code_runs_only_for_who_trusts_it(tmp_path: Path, printed: Any) -> None:
     [("go2_robot_lab", None), ("go2_himloco", None), ("unitree_rl_lab_g1", None),
      ("playground_go1", "playground_go1.yaml")],
 )  # fmt: skip
+@pytest.mark.sampled(2)
 def test_published_policies_walk_from_their_files(name: str, spec: str | None, tmp_path: Path) -> None:
     network = SHARED / f"{name}.onnx"
     if not network.exists():

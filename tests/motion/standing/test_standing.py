@@ -100,6 +100,7 @@ def test_light_robots_get_a_smaller_least_force() -> None:
     assert 4 * low < 0.5 * sf.load_robot("solo12").mass * GRAVITY
 
 
+@pytest.mark.long
 def test_integral_takes_up_an_unknown_load_and_is_bounded() -> None:
     robot, q, controller = standing()
     low = q.copy()
@@ -133,6 +134,7 @@ def disturbed(robot: sf.Robot, q: np.ndarray) -> list[RobotState]:
 
 @pytest.mark.parametrize("at", [0, 1, 60, 119, 121, 170])
 @pytest.mark.parametrize("written", [False, True])
+@pytest.mark.sampled(3)
 def test_a_stand_that_is_resumed_goes_on_to_the_last_bit(at: int, written: bool) -> None:
     lifts = (Lift("FL", 0.6, 0.9),)
     robot, q, first = standing(lifts=lifts)

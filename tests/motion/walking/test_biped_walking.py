@@ -95,6 +95,7 @@ def test_the_controller_follows_from_the_feet() -> None:
         walking_controller(load_robot("talos"), still, "trot")
 
 
+@pytest.mark.long
 def test_the_audit_knows_rotors_and_friction() -> None:
 
     robot = load_robot("g1")

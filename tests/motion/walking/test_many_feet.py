@@ -51,6 +51,7 @@ def walk(robot: sf.Robot, gait: str | None, speed: float, duration: float, seed:
     return sf.run(sf.MujocoWorld(robot), controller, sf.Scenario(duration, 0.6, seed=seed))
 
 
+@pytest.mark.long
 def test_a_hexapod_walks_by_tripods(tmp_path: Path) -> None:
     robot = robot_of(tmp_path, 6)
     assert default_gait(robot) == "tripod"

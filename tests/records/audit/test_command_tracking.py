@@ -24,6 +24,7 @@ def test_a_clean_run_asks_for_what_laws_allow_and_attains_it(run: CleanRun) -> N
 
 
 @pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.sampled(2)
 def test_a_broken_controller_is_named(fault: str) -> None:
     run = BrokenRun("go2", "mujoco", fault, 0.4, 0.3)
     report = sf.audit_log(run.log())

@@ -42,12 +42,14 @@ def after_the_step(log: Log) -> Log:
 
 @pytest.mark.parametrize("logged", [lambda log: log, after_the_step], ids=["before", "after"])
 @pytest.mark.parametrize("dt", [5e-4, 1e-3, 2e-3, 5e-3])
+@pytest.mark.sampled(2)
 def test_an_exact_drop_is_lawful_at_any_rate(dt: float, logged: Callable[[Log], Log]) -> None:
     reports = [sf.audit_log(logged(Drop.seeded(seed).log(dt))) for seed in range(40)]
     assert not [report.sentence for report in reports if report.verdict == "broken"]
 
 
 @pytest.mark.parametrize("geom", range(len(GEOMS)))
+@pytest.mark.sampled(2)
 def test_mujocos_own_drops_are_lawful_at_five_milliseconds(geom: int) -> None:
     for seed in range(6):
         rng = np.random.default_rng([seed, geom])

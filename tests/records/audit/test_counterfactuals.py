@@ -88,6 +88,7 @@ def test_a_push_that_was_survived_fells_nobody() -> None:
     assert "push" in {event.name for event in report.story.events}  # it happened all the same
 
 
+@pytest.mark.long
 def test_counterfactuals_of_logs_with_holes_raise_nothing() -> None:
     rng = np.random.default_rng(0)
     for log in (quadruped(500, shove(800.0)), crate(mu=0.25, tilt=20.0)):

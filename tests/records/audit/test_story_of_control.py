@@ -36,6 +36,7 @@ ABLE = {loop.name: loop for loop in LOOPS}
         ("pd humanoid", "chattering gains", 27),  # from the first row on
     ],
 )
+@pytest.mark.sampled(4)
 def test_the_cause_comes_first(loop: str, cause: str, seed: int) -> None:
     run = ABLE[loop].failed(cause, seed)
     assert run.fault is not None

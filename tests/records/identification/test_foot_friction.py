@@ -68,6 +68,7 @@ def test_forces_that_are_badly_known_bound_nothing() -> None:
     assert bounds(np.full(ROWS, 0.9), np.zeros(ROWS, dtype=bool), left=40.0).low == 0.0
 
 
+@pytest.mark.long
 def test_a_walk_that_slips_on_a_slippery_floor() -> None:
     log, mu = slipping_walk(11)
     robot = sf.load_robot("go2")

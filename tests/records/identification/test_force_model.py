@@ -77,6 +77,7 @@ def test_another_recording_may_have_another_offset(made_up: Path, fitted: sf.For
     assert (widths[2] > 1.2 * widths[0]).all()
 
 
+@pytest.mark.long
 def test_the_command(made_up: Path, tmp_path: Path, printed: Any, answer: Any) -> None:
     leg, kept = made_up / "hopper.urdf", made_up / "kept.csv"
     words = ("identify", made_up / "hopper.csv", "--model", leg, "--test", kept, "--out", tmp_path)
@@ -109,6 +110,7 @@ def test_wrong_input_is_one_line(made_up: Path, fitted: sf.ForceModel, tmp_path:
 @pytest.mark.skipif(not RECORDED.exists(), reason="the recorded hopper is not beside the checkout")
 @pytest.mark.parametrize("parts", [2, 3], ids=["halves", "two thirds"])
 @pytest.mark.parametrize("first", [True, False], ids=["first", "last"])
+@pytest.mark.sampled(2)
 def test_the_recorded_hopper_across_parts(parts: int, first: bool) -> None:
     robot = sf.load_robot(RECORDED / "hopper.urdf", fixed_base=True)
     log = read_leg_log(RECORDED / "hopper.csv")
@@ -137,6 +139,7 @@ def _crossings(time: np.ndarray, force: np.ndarray, level: float) -> np.ndarray:
 
 
 @pytest.mark.skipif(not RECORDED.exists(), reason="the recorded hopper is not beside the checkout")
+@pytest.mark.long
 def test_when_the_recorded_hopper_crosses_a_level() -> None:
     """At 49 levels, upwards and, backwards in time, downwards: a single level says little."""
     robot = sf.load_robot(RECORDED / "hopper.urdf", fixed_base=True)

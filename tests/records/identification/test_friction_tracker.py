@@ -64,6 +64,7 @@ def test_grounds_change() -> None:
 
 
 @pytest.mark.parametrize("world", ["rigid", "mujoco"])
+@pytest.mark.long
 def test_slippery_ground_is_known_soon_after_the_first_slip(world: str) -> None:
     wait, answers, low = friction_answers(world, 0.25)
     assert wait <= 0.06

@@ -58,6 +58,7 @@ def test_what_a_simulator_knows_besides_changes_nothing(walked: tuple[Log, dict[
     assert not any("below zero" in note for note in told.notes)
 
 
+@pytest.mark.long
 def test_another_robot_s_model_is_doubted(walked: tuple[Log, dict[str, float]]) -> None:
     """Its joints have the same names."""
     told = identify_robot(sf.load_robot("b1"), walked[0].rows(slice(0, 2500)))

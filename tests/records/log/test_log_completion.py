@@ -62,6 +62,7 @@ def write(run: CleanRun, folder: Path) -> Log:
 
 
 @pytest.mark.parametrize("run", [TROT, SLOPE])
+@pytest.mark.long
 def test_positions_gaps_and_velocities_are_the_simulators(run: CleanRun, tmp_path: Path) -> None:
     """And the audit of the table says what that of the run says, in law after law."""
     log = write(run, tmp_path)

@@ -18,6 +18,7 @@ pytestmark = pytest.mark.skipif(not FILES, reason="../shared is not there")
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: f"{path.parent.name}-{path.stem}")
+@pytest.mark.sampled(3)
 def test_a_shared_motion_is_read_and_its_spoilt_twins_too(path: Path) -> None:
     motion = sf.read_motion(path, g1(), fps=30 if path.suffix == ".csv" else None)
     assert motion.doubts == ()

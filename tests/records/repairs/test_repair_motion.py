@@ -122,6 +122,7 @@ def test_shifts_solve_the_normal_equations_of_their_sum() -> None:
         assert total(found + step) - total(found - step) == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.long
 def test_what_is_too_fast_for_a_motor_is_played_slower(g1: sf.Robot) -> None:
     """Legs straighten twice as fast as the motors of the knees turn; nothing but time mends that."""
     case = list(motor_cases(rising_motion(g1)))[-1]

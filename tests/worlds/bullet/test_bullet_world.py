@@ -70,6 +70,7 @@ def test_a_stand_on_a_slope_is_lawful(name: str) -> None:
 
 
 @bullet
+@pytest.mark.long
 def test_a_trot_is_lawful_and_gets_there() -> None:
     robot, ground = sf.load_robot("go2"), sf.FlatTerrain()
     command = VelocityCommand.constant(0.4, 0.0, 0.0)

@@ -23,6 +23,7 @@ LAWS = {
     ("law", "mass"),
     [pytest.param(*v, id=k, marks=() if k == "damped" else pytest.mark.long) for k, v in LAWS.items()],
 )
+@pytest.mark.long
 def test_mujoco_does_what_the_translation_says(law: SoftLaw, mass: float) -> None:
     pytest.importorskip("mujoco")
     dt = 2e-5
@@ -44,6 +45,7 @@ def test_mujoco_does_what_the_translation_says(law: SoftLaw, mass: float) -> Non
     ],
     ids=["default", "bouncy", "direct", "stiff"],
 )
+@pytest.mark.sampled(2)
 def test_the_law_is_mujocos_own(words: dict[str, tuple[float, ...]]) -> None:
     pytest.importorskip("mujoco")
     found = translate(EngineContact("mujoco", words), "mujoco", 3.0, dt=2e-5)

@@ -18,6 +18,7 @@ LIMITS = {
 
 
 @pytest.mark.parametrize("engine", LIMITS)
+@pytest.mark.long
 def test_a_scene_is_the_same_in_every_engine(engine: str) -> None:
     module = {"bullet": "pybullet", "mujoco": "mujoco"}.get(ENGINES[engine].world)
     if module is not None and importlib.util.find_spec(module) is None:

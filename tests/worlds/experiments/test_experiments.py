@@ -26,6 +26,7 @@ QUICK = ("slide", "stick", "roll")
 
 @pytest.mark.parametrize("world", HERE)
 @pytest.mark.parametrize("name", EXPERIMENTS)
+@pytest.mark.sampled(7)
 def test_worlds_keep_to_the_closed_forms(name: str, world: str) -> None:
     experiment = EXPERIMENTS[name]
     if not HERE[world]:

@@ -49,6 +49,7 @@ def recorded(model: Any, seed: int, size: float, seconds: float = 4.0, change: A
 
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("size", [0.0, 0.5, 1.0])
+@pytest.mark.sampled(2)
 def test_what_a_row_leaves_open_is_no_law_broken(seed: int, size: float) -> None:
     """Touches begin and stops are met within rows in which legs turn by a tenth of a radian."""
     report = sf.audit_log(recorded(spider(), seed, size))

@@ -219,6 +219,7 @@ def test_a_missing_mesh_costs_itself_alone(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", ["box", "two boxes"])
+@pytest.mark.long
 def test_soles_that_are_no_spheres_stand_on_their_corners(tmp_path: Path, kind: str) -> None:
     """The file's boxes touch nothing any more; its robot stands, and its weight is on eight corners."""
     sole = '<geom class="contact" type="box" size="{} 0.04 0.01" pos="{} 0 -0.03" solref="0.01 1"/>'

@@ -70,6 +70,7 @@ def recorded(make: Callable[[Any, Any, int], None], option: str = "", n: int = 4
 
 @pytest.mark.parametrize("make", [halves, dm_control, forward_and_euler])
 @pytest.mark.parametrize("option", ["", "cone='elliptic' noslip_iterations='3'"])
+@pytest.mark.sampled(2)
 def test_all_ways_to_step_give_the_same_rows(make: Callable[[Any, Any, int], None], option: str) -> None:
     expected, found = recorded(whole, option), recorded(make, option)
     assert len(found) == 200

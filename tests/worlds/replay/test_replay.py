@@ -50,6 +50,7 @@ def test_drake_keeps_a_lawful_trot_and_loses_it_on_ice() -> None:
     assert replay_log(log, "drake", mu=0.03).verdict == "lost"
 
 
+@pytest.mark.long
 def test_the_same_world_gives_the_log_again() -> None:
     """With nothing to track, the feed-forward torques alone are the log's: the motion is the same."""
     log = log_of(SHORT_TROT)
@@ -60,6 +61,7 @@ def test_the_same_world_gives_the_log_again() -> None:
     np.testing.assert_allclose(again["time"], log["time"][: len(again)], atol=1e-12)
 
 
+@pytest.mark.long
 def test_a_trot_that_needs_its_friction_is_lost_on_ice() -> None:
     log = log_of(SHORT_TROT)
     report = replay_log(log, "mujoco", mu=0.03)

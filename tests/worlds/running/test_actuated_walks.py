@@ -23,6 +23,7 @@ from tests.worlds.running.walks import GO2, REAL, WHOLE, walk
     ("speed", "world"),
     [(1.0, "mujoco"), *(pytest.param(0.5, world, marks=pytest.mark.long) for world in ("mujoco", "rigid"))],
 )
+@pytest.mark.long
 def test_a_trot_with_real_actuators_keeps_every_limit(speed: float, world: str) -> None:
     walked = {"world": WHOLE | {"name": world}, "sensors": SensorModel(), "seed": 1}
     log, summary = walk(speed, 4.0, settings=WalkSettings(actuators=REAL), **walked)

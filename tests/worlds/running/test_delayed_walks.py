@@ -34,6 +34,7 @@ def late(
     [Wiring(), Wiring(targets=True, latency=0.0), Wiring(targets=True, every=4)],
     ids=["torques", "targets alone", "targets at 250 Hz"],
 )
+@pytest.mark.long
 def test_five_milliseconds_late(wired: Wiring) -> None:
     _, summary = late(wired, delay=0.005)
     assert summary.good, walk_headline(summary)

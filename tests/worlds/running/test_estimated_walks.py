@@ -34,6 +34,7 @@ def estimated(*words: Any, sensors: SensorModel = ORDINARY, **options: Any) -> t
     ],
     ids=str,
 )
+@pytest.mark.long
 def test_a_trot_on_an_estimate(world: str, speed: float, terrain: Terrain | None, seed: int) -> None:
     log, summary = estimated(speed, world={"name": world}, terrain=terrain, seed=seed)
     assert summary.success
@@ -49,6 +50,7 @@ def test_a_trot_on_an_estimate(world: str, speed: float, terrain: Terrain | None
     assert "velocity off by" in estimate_lines(summary)[0]
 
 
+@pytest.mark.long
 def test_legs_that_feel_nothing_walk_by_heights_speeds_and_the_plan() -> None:
     numb = replace(ORDINARY, touch=replace(ORDINARY.touch, missed=1.0))
     _, summary = estimated(sensors=numb)
@@ -56,6 +58,7 @@ def test_legs_that_feel_nothing_walk_by_heights_speeds_and_the_plan() -> None:
     assert summary.laws_broken == []
 
 
+@pytest.mark.long
 def test_false_touches_do_not_stop_a_leg_in_its_swing() -> None:
     haunted = replace(ORDINARY, touch=replace(ORDINARY.touch, false=1.0))
     log, summary = estimated(sensors=haunted, seed=1)
@@ -65,6 +68,7 @@ def test_false_touches_do_not_stop_a_leg_in_its_swing() -> None:
     assert (log["contact_estimated"] & high).sum() / high.sum() < 1e-3
 
 
+@pytest.mark.long
 def test_a_slope_is_felt_without_a_map() -> None:
     """Feet that roll on what is taken for level drift by 3 % of the way."""
     _, summary = estimated(0.4, terrain=SlopeTerrain(15.0), sensors=replace(ORDINARY, heights=False))
@@ -82,6 +86,7 @@ def test_a_heavy_robot_whose_feet_bounce_stays_level() -> None:
     assert summary.tilt_max_deg < 2.0
 
 
+@pytest.mark.long
 def test_latency_of_five_milliseconds_is_made_up_for() -> None:
     late = replace(
         ORDINARY, imu=replace(ORDINARY.imu, latency=0.005), encoders=replace(ORDINARY.encoders, latency=0.005)

@@ -15,6 +15,7 @@ from surefoot.worlds.running.sensors import SensorModel
 from tests.worlds.running.walks import walk
 
 
+@pytest.mark.long
 def test_a_robot_that_watches_walks_on_ice_that_throws_another() -> None:
     (_, careful), (_, careless) = (
         walk(0.5, 2.5, mu=0.2, settings=WalkSettings(watch_friction=watch), sensors=SensorModel(), seed=2)

@@ -29,6 +29,7 @@ MU = 0.6
 
 
 @pytest.mark.parametrize(("knowledge", "degrees", "speed"), [("blind", 15.0, 1.0), ("map", -15.0, 1.2)])
+@pytest.mark.long
 def test_a_fast_trot_on_a_slope_that_is_learned_does_not_fall(
     knowledge: str, degrees: float, speed: float
 ) -> None:

@@ -109,6 +109,7 @@ class FakeView:
         self.open_now = False
 
 
+@pytest.mark.long
 def test_a_walk_follows_the_keys_and_ends_with_its_window() -> None:
     robot, clock = load_robot("go2"), Clock()
     controller = WalkingController(robot, VelocityCommand.constant(0.0))

@@ -61,6 +61,7 @@ def test_a_displaced_body_keeps_its_feet(jump: Reference) -> None:
     ("world", "limits"),
     [("mujoco", "curve"), ("mujoco-exact", "curve"), pytest.param("mujoco", "box", marks=pytest.mark.long)],
 )
+@pytest.mark.long
 def test_surprises_are_survived(jump: Reference, world: str, limits: str) -> None:
     done = execute(jump, world, limits, 4, dt=1e-3)
     assert done.landed, done.why
@@ -69,6 +70,7 @@ def test_surprises_are_survived(jump: Reference, world: str, limits: str) -> Non
     assert done.log["mu"][0] == pytest.approx(0.6 * done.surprise.friction)
 
 
+@pytest.mark.long
 def test_motors_cannot_give_what_a_weaker_robot_has_not(jump: Reference) -> None:
     """With a fifth of the torque the hop does not happen, and nobody says that it did."""
     from surefoot.mechanics.robot.motor_limits import MotorLimits, motor_limits

@@ -114,6 +114,8 @@ print(kept.time, len(log))
 @pytest.mark.parametrize(
     "name", ["trot", *(pytest.param(name, marks=LONG) for name in CASES if name != "trot")]
 )
+@pytest.mark.long
+@pytest.mark.long
 def test_a_run_resumed_in_a_fresh_process_goes_on_to_the_last_bit(name: str, tmp_path: Path) -> None:
     kept: list[RunState] = []
     world, controller, scenario = made(name)
@@ -242,6 +244,8 @@ def test_a_state_that_does_not_fit_is_refused(
     assert not (tmp_path / "parts").exists()
 
 
+@pytest.mark.long
+@pytest.mark.long
 def test_a_run_goes_on_in_its_own_setting_alone(walk: tuple[Any, list[RunState], Make]) -> None:
     whole, kept, again = walk
     for given, told in (
@@ -264,6 +268,8 @@ def test_a_run_goes_on_in_its_own_setting_alone(walk: tuple[Any, list[RunState],
     assert pushed["v"][:, 1].max() > whole["v"][:, 1].max() + 0.1
 
 
+@pytest.mark.long
+@pytest.mark.long
 def test_a_robot_that_has_lost_its_estimate_goes_on_standing_to_the_same_end() -> None:
     broken = replace(SensorModel(), imu=ImuModel(accelerometer_range=6.0))
     kept, again = list[RunState](), short(sensors=broken, seed=4)
@@ -292,6 +298,8 @@ class Naming(Counting):
     MEMORY = ("count",)
 
 
+@pytest.mark.long
+@pytest.mark.long
 def test_what_cannot_tell_its_state_is_refused_before_anything_moves(tmp_path: Path) -> None:
     keep = StateKeeper(0.1, print)
     robot = sf.load_robot("go2")
@@ -327,6 +335,8 @@ def test_what_cannot_tell_its_state_is_refused_before_anything_moves(tmp_path: P
     assert kept[2].controller["own"] == {"count": 200}
 
 
+@pytest.mark.long
+@pytest.mark.long
 def test_a_rigid_world_that_went_on_says_of_its_last_step_what_the_first_one_does() -> None:
     robot = sf.load_robot("go2")
     worlds = [sf.RigidWorld(robot, collision="full", tol=1e-4) for _ in range(2)]

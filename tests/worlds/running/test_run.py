@@ -64,6 +64,7 @@ def same(one: sf.Log, two: sf.Log) -> None:
 
 
 @pytest.mark.parametrize("kind", ["stand", "walk"])
+@pytest.mark.long
 def test_a_second_run_of_the_same_controller_is_the_first_again(kind: str, robot: sf.Robot) -> None:
     scenario = sf.Scenario(
         0.9, 0.6, [sf.Push(0.5, (0.0, 80.0, 0.0), 0.1)], [sf.Ice(0.6, 0.3)], 5, Faults(noise=0.3, delay=0.002)

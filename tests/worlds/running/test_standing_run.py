@@ -55,6 +55,7 @@ def test_go2_stands_on_flat_ground() -> None:
 
 
 @pytest.mark.parametrize("name", ["go1", "anymal_b", "hyq", "solo12", "g1"])
+@pytest.mark.sampled(2)
 def test_other_robots_stand_without_code_of_their_own(name: str) -> None:
     summary = summarise_stand(stand(name, duration=1.0))
     assert summary.success
@@ -70,6 +71,7 @@ def test_other_robots_stand_without_code_of_their_own(name: str) -> None:
     ],
     ids=["payload", "ice"],
 )
+@pytest.mark.long
 def test_go2_stands_through(case: dict[str, object]) -> None:
     summary = summarise_stand(stand(**case))  # type: ignore[arg-type]
     assert summary.success, summary.outcome
@@ -80,6 +82,7 @@ def test_go2_stands_through(case: dict[str, object]) -> None:
     ("name", "degrees", "foot", "seed"),
     [("go2", 20.0, "RR", 4), ("anymal_c", 20.0, "LF", 1), ("b1", 15.0, "FR", 2)],
 )
+@pytest.mark.long
 def test_robots_stand_through_a_push_and_a_lift_on_a_slope(
     name: str, degrees: float, foot: str, seed: int | None
 ) -> None:
@@ -95,6 +98,7 @@ def test_robots_stand_through_a_push_and_a_lift_on_a_slope(
     assert max(f.slip for f in summary.feet) < 5e-4
 
 
+@pytest.mark.long
 def test_lifted_foot_is_in_the_air_and_back() -> None:
     log = stand(lifts=(Lift("FL", 1.0, 2.0),), duration=3.0)
     aloft = (log["time"] > 1.0) & (log["time"] < 2.0)

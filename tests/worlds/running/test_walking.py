@@ -47,6 +47,7 @@ def test_a_trot_masters_terrain(terrain: Terrain, speed: float, duration: float)
 
 
 @pytest.mark.parametrize("robot", ["hyq", pytest.param("anymal_kinova", marks=pytest.mark.long)])
+@pytest.mark.long
 def test_a_base_beside_the_centre_of_mass_goes_at_the_command(robot: str) -> None:
     """The centre of mass is 4 and 8 cm ahead of the base: it swerves where the body turns; arms stay put."""
     log, summary = walk((0.1, 0.1, 0.4), 4.0, robot=robot)
@@ -92,6 +93,7 @@ def test_standing_is_a_gait() -> None:
     assert np.abs(log["q"][-1, :3] - log["q"][0, :3]).max() < 0.02
 
 
+@pytest.mark.long
 def test_a_walk_with_faults_and_payload_goes_on() -> None:
     faults = Faults(noise=0.5, delay=0.003, weak_joint="FL_calf_joint", torque_loss=0.2)
     log, _ = walk(duration=3.5, faults=faults, world={"payload": 3.0}, seed=2)

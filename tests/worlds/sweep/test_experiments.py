@@ -32,6 +32,7 @@ def test_every_experiment_keeps_to_the_table(name: str) -> None:
     assert all(experiment.limits(n)[0] <= (getattr(experiment, n) or 1.0) for n in experiment.numbers())
 
 
+@pytest.mark.long
 def test_no_box_rests_where_coulomb_says_that_it_slides() -> None:
     config = sweep_from_dict({"experiment": "drop", "settings": {"height": 0.01, "tumble": False},
                               "ranges": {"mu": [0.1, 1.0], "slope": [0, 40]}})  # fmt: skip
@@ -92,6 +93,7 @@ def test_motors_give_their_share() -> None:
 
 
 @pytest.mark.parametrize("world", [pytest.param("mujoco", marks=pytest.mark.long), "rigid"])
+@pytest.mark.long
 def test_a_walk_depends_on_its_ground_and_motors(world: str) -> None:
     settings = {"world": world, "duration": 0.5, "slope": 15.0}
     held, lost = (make_experiment("walk", {**settings, "mu": mu}).run(SEED) for mu in (0.6, 0.1))

@@ -37,6 +37,7 @@ def sweep(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("backend", ["serial", "loky"])
+@pytest.mark.long
 def test_a_function_is_swept_in_this_process_and_in_others(sweep: Path, tmp_path: Path, backend: str) -> None:
     pytest.importorskip("pyarrow")
     config = sf.read_sweep(sweep, allow_code=True)

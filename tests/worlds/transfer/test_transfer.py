@@ -51,6 +51,7 @@ def test_intervals_are_the_published_ones(count: int, of: int) -> None:
     assert difference_interval((0, 0), (count, of))[0] <= 0.0
 
 
+@pytest.mark.long
 def test_softness_that_fails_is_named_and_friction_that_is_gone_loses() -> None:
     """MuJoCo's crate creeps, the exact one stays; below the slope's tangent it slides by the closed form."""
     report = sf.transfer(

@@ -81,6 +81,7 @@ def test_the_motion_runs_again_without_feedback_and_in_the_rigid_world(hop) -> N
     assert world.unsolved == 0
 
 
+@pytest.mark.long
 def test_a_finer_plan_from_a_coarse_one_is_lawful_to_the_audit(hop) -> None:
     """At 30 ms the step's linear gap leaves 2 mm at a knot's end, which the audit sees; at 10 ms nothing."""
     problem, coarse = hop
@@ -107,6 +108,7 @@ def test_the_modes_of_a_plan_given_as_a_schedule_lead_to_it(hop) -> None:
         plan_with_modes(problem, modes[:3])
 
 
+@pytest.mark.long
 def test_a_plan_warm_starts_the_next_one(hop) -> None:
     """The same plan comes out, in fewer iterations."""
     _, found = hop

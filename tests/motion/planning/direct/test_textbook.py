@@ -21,6 +21,7 @@ pytest.importorskip("casadi")
 
 
 @pytest.mark.parametrize("task", ["ball", "hopper", pytest.param("push", marks=pytest.mark.long)])
+@pytest.mark.long
 def test_a_task_is_solved_and_lawful(task: str) -> None:
     heard = []
     made = plan(None, task, mu=0.5, tell=heard.append)

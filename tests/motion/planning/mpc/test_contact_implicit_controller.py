@@ -48,6 +48,7 @@ def test_settings_out_of_range_are_named(change: dict[str, float]) -> None:
         MpcSettings(**change)  # type: ignore[arg-type]
 
 
+@pytest.mark.long
 def test_it_steps_off_without_being_told_which_foot_and_when() -> None:
     """In rigid contact, from standing: feet of a diagonal lift together, and it moves."""
     world = RigidWorld(go2())
@@ -62,6 +63,7 @@ def test_it_steps_off_without_being_told_which_foot_and_when() -> None:
     assert (np.abs(log["torques"]) <= go2().effort_limits + 1e-9).all()
 
 
+@pytest.mark.long
 def test_it_stands_still_when_told_to_and_steps_when_pushed() -> None:
     world = RigidWorld(go2())
     push = Push(0.3, (0.0, 120.0, 0.0), 0.1)

@@ -172,6 +172,7 @@ def test_front_feet_keep_ahead_of_rear_hips_that_push(go2) -> None:
     assert bound.tolist() == (8 + 2 * reared).tolist()
 
 
+@pytest.mark.long
 def test_a_search_begins_from_a_motion_that_is_its_own_image(found) -> None:
     problem, asked = found[0], (*transcribe(found[0]), variable_bounds(found[0]))
     half = found_in_half(problem, *asked, pack_guess(problem, guess_from(problem)), None, **OPTIONS)

@@ -87,6 +87,7 @@ def residuals(costs: Costs, k: int, q: np.ndarray, v: np.ndarray, u: np.ndarray)
 
 
 @pytest.mark.parametrize("name", CASES)
+@pytest.mark.sampled(2)
 def test_cost_gradient_and_hessian_are_those_of_the_residuals(name: str) -> None:
     costs, at, model = CASES[name], motion(), go2().model
     tables = costs.tables(go2(), N)

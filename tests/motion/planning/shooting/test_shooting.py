@@ -78,6 +78,7 @@ def test_near_its_rest_a_pendulum_gets_the_gains_of_the_discrete_riccati_equatio
     np.testing.assert_allclose(found.trajectory.torques[0], K[:, :2] @ x, rtol=1e-3)
 
 
+@pytest.mark.long
 def test_a_pendulum_swings_up_with_less_torque_than_holds_it(tmp_path: Path) -> None:
     robot = pendulum(tmp_path, effort=2.5)  # holding it level takes 6 N m
     top = np.array([np.pi, 0.0])
@@ -136,6 +137,7 @@ def squat(**settings: object) -> ShootingProblem:
     return ShootingProblem(robot, costs, knots=16, dt=0.025, goal=goal, **settings)  # type: ignore[arg-type]
 
 
+@pytest.mark.long
 def test_go2_squats_on_its_feet() -> None:
     problem = squat()
     solver, q = Shooting(problem), place(go2())

@@ -33,6 +33,7 @@ def test_a_hop_lands_where_it_should(jump: Reference, world: str) -> None:
     assert not np.asarray(done.log["forces"])[flying[40:-40]].any()
 
 
+@pytest.mark.long
 def test_the_flight_ends_when_the_feet_touch(jump: Reference) -> None:
     """Not when the plan says so: robots that are lighter and heavier than it knows land when they touch."""
     light, heavy = (

@@ -73,6 +73,7 @@ def test_a_slope_that_feet_have_found_slows_as_a_known_one_does() -> None:
 
 
 @pytest.mark.parametrize("speed", [0.15, 0.3, 0.4, 0.41, -0.6, 0.9])
+@pytest.mark.sampled(2)
 def test_stairs_that_have_been_found_are_taken_as_known_ones_are(speed: float) -> None:
     schedule, command = adaptive(), np.array([speed, 0.0, 0.0])
     stairs = StairsTerrain(0.12, 0.3)

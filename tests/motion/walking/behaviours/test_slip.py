@@ -47,6 +47,7 @@ def test_feet_that_stand_change_nothing() -> None:
     assert asked.speed_cap == math.inf
 
 
+@pytest.mark.long
 def test_a_slide_is_believed_within_twenty_milliseconds_and_forgotten_later() -> None:
     one = slip()
     for _ in range(50):

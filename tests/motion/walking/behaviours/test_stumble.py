@@ -77,6 +77,7 @@ def highest_lift(ground: BeliefTerrain, gait: str | Gait) -> float:
 
 
 @pytest.mark.parametrize("gait", ["trot", named_gait("trot", 4)], ids=["adaptive", "fixed"])
+@pytest.mark.long
 def test_after_a_stumble_a_trot_lifts_its_feet_as_high_as_is_asked_for(gait: str | Gait) -> None:
     usual, raised = highest_lift(TouchedGround(), gait), highest_lift(Stumbling(), gait)
     assert usual == pytest.approx(0.07, abs=0.01)

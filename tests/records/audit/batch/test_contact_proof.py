@@ -36,6 +36,7 @@ def _proof(
 
 @pytest.mark.parametrize(("damped", "margin"), [(False, 0.0), (True, 0.0), (True, 0.002)])
 @pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.sampled(2)
 def test_no_spoilt_window_is_proven(seed: int, damped: bool, margin: float) -> None:
     """Of 60 windows of walks, two thirds of them spoilt in twelve ways; most of the lawful are proven."""
     rng, facts = np.random.default_rng(seed), soft_facts()

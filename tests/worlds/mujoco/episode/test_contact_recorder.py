@@ -74,6 +74,7 @@ def test_rows_are_those_of_the_recording(kind: tuple[str, str, int]) -> None:
         np.testing.assert_allclose(cheap.facts[name], log.facts[name])
 
 
+@pytest.mark.long
 def test_laws_of_contacts_are_judged_as_by_the_whole_audit() -> None:
     """Of twelve random loops, softer and harder ones: the same laws are broken, of those that both judge."""
     verdicts = set()

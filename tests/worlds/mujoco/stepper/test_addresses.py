@@ -21,6 +21,7 @@ def _address(array: Any) -> int:
     return int(array.__array_interface__["data"][0])
 
 
+@pytest.mark.long
 def test_words_of_the_arena_are_the_fields_of_any_data() -> None:
     """Contacts, limits, dry joints and tendons; many data, whatever lies behind their structs."""
     arm = """<body pos="1 0 2"><joint name="j" type="hinge" range="-1 1" limited="true" frictionloss="0.1"/>
@@ -46,6 +47,7 @@ def test_words_of_the_arena_are_the_fields_of_any_data() -> None:
             gc.collect()
 
 
+@pytest.mark.long
 def test_the_places_do_not_depend_on_what_lies_in_memory() -> None:
     """Asked anew among other allocations: one answer (a search found another once in 150)."""
     rng, kept = np.random.default_rng(5), []
