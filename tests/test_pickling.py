@@ -205,7 +205,7 @@ def test_a_copy_goes_on_to_the_last_bit_and_leaves_the_first_alone(name: str, ho
 
 @pytest.mark.parametrize(
     "names",
-    [("Robot", "MujocoWorld", "ContactSolver"), pytest.param((*CASES,), marks=pytest.mark.long)],
+    [("Robot", "MujocoWorld", "ContactSolver"), (*CASES,)],
     ids=["some", "all"],
 )
 @pytest.mark.long

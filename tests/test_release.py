@@ -95,7 +95,6 @@ def test_the_wheel_works_away_from_the_checkout(wheel: Path, tmp_path: Path) -> 
 
 
 @pytest.mark.long
-@pytest.mark.long
 def test_the_examples_of_a_wheel_are_copied_and_run(wheel: Path, tmp_path: Path) -> None:
     zipfile.ZipFile(wheel).extractall(tmp_path / "site")
     env = {**os.environ, "PYTHONPATH": str(tmp_path / "site")}
@@ -146,7 +145,6 @@ def test_links_become_absolute() -> None:
     assert metadata["urls"]["Issues"] == "https://h.org/s/issues"  # type: ignore[index]
 
 
-@pytest.mark.long
 @pytest.mark.long
 def test_the_source_archive_builds_the_same_wheel(wheel: Path, tmp_path: Path) -> None:
     archive = build("sdist", tmp_path)

@@ -23,10 +23,7 @@ SOFTNESS = {
 }
 
 
-@pytest.mark.parametrize(
-    ("solref", "solimp"),
-    [pytest.param(*v, id=k, marks=() if k == "default" else pytest.mark.long) for k, v in SOFTNESS.items()],
-)
+@pytest.mark.parametrize(("solref", "solimp"), SOFTNESS.values(), ids=SOFTNESS)
 @pytest.mark.long
 def test_a_dropped_ball(solref, solimp):
     mass, paths, dt = 3.0, [], 2e-4

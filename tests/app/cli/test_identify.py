@@ -43,7 +43,6 @@ def test_json_holds_the_fit_and_both_errors(folder: Path, answer: Any) -> None:
 
 
 @pytest.mark.long
-@pytest.mark.long
 def test_tables_laws_and_picture(folder: Path, tmp_path: Path, printed: Any) -> None:
     pytest.importorskip("matplotlib")
     words = ("--law", "rigid", "--law", "newton", "--rivals", "none", "--out", tmp_path)

@@ -24,9 +24,7 @@ def told(tmp_path: Path, printed: Any) -> Any:
     return run
 
 
-@pytest.mark.parametrize(
-    "limits", [True, pytest.param(False, marks=pytest.mark.long)], ids=["limits", "none"]
-)
+@pytest.mark.parametrize("limits", [True, False], ids=["limits", "none"])
 @pytest.mark.long
 def test_a_robot_is_the_same_as_urdf_and_as_mjcf(tmp_path: Path, told: Any, limits: bool) -> None:
     """Stand, walk and region within 2 %, though the files' shapes overlap and MJCF says less."""

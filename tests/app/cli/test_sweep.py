@@ -60,9 +60,7 @@ def test_samples_with_errors_are_told(
     assert "30 errors, 0 crashed; sample 0: at 0.1 s the motion became non-finite" in said
 
 
-@pytest.mark.parametrize(
-    ("number", "code"), [(signal.SIGINT, 130), pytest.param(signal.SIGTERM, 143, marks=pytest.mark.long)]
-)
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 @pytest.mark.long
 def test_an_interrupt_keeps_what_is_written(
     number: signal.Signals, code: int, tmp_path: Path, answer: Any

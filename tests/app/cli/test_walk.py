@@ -31,9 +31,7 @@ def test_walk_writes_everything(tmp_path: Path, printed: Any) -> None:
     assert "The three laws" in report
 
 
-@pytest.mark.parametrize(
-    "robot", ["centauro", "solo8", *(pytest.param(name, marks=pytest.mark.long) for name in ALIKE)]
-)
+@pytest.mark.parametrize("robot", ["centauro", "solo8", *ALIKE])
 @pytest.mark.long
 def test_every_quadruped_walks_as_a_new_user_calls_it(robot: str, tmp_path: Path, printed: Any) -> None:
     said = printed("walk", robot, "--duration", "2.0", "--no-video", "--no-report", "--out", tmp_path)

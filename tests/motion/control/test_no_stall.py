@@ -71,7 +71,7 @@ if sys.argv[1] == "go2":  # and of the loop of a real robot
 """
 
 
-@pytest.mark.parametrize("robot", ["go2", pytest.param("g1", marks=pytest.mark.long)])
+@pytest.mark.parametrize("robot", ["go2", "g1"])
 @pytest.mark.long
 def test_no_step_compiles(robot: str, capsys: pytest.CaptureFixture[str]) -> None:
     """In a new process; `pytest -s` prints what the steps took."""
@@ -81,7 +81,7 @@ def test_no_step_compiles(robot: str, capsys: pytest.CaptureFixture[str]) -> Non
     assert done.returncode == 0, done.stderr[-2000:]
 
 
-@pytest.mark.parametrize("robot", ["go2", pytest.param("g1", marks=pytest.mark.long)])
+@pytest.mark.parametrize("robot", ["go2", "g1"])
 @pytest.mark.long
 def test_plans_can_wait_until_a_command_is_sent(robot: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The MPC runs between steps then; whoever does not call for it has the same torques later."""

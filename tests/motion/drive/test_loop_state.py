@@ -95,11 +95,7 @@ def rising(ahead: bool) -> tuple[RobotLoop, MotorRobot]:
 
 @pytest.mark.parametrize(
     ("begin", "ahead", "steps"),
-    [
-        (walking, False, 500),
-        pytest.param(walking, True, 500, marks=pytest.mark.long),
-        pytest.param(rising, False, 1800, marks=pytest.mark.long),
-    ],
+    [(walking, False, 500), (walking, True, 500), (rising, False, 1800)],
 )
 @pytest.mark.long
 def test_a_loop_resumed_in_a_fresh_process_goes_on_to_the_last_bit(

@@ -125,7 +125,7 @@ def read_go1(robot: sf.Robot) -> tuple[np.ndarray, ...]:
 
 
 @pytest.mark.skipif(not GO1.exists(), reason="the recorded Go1 is not here")
-@pytest.mark.parametrize("start", [0, pytest.param(300, marks=pytest.mark.long), 500, 700])
+@pytest.mark.parametrize("start", [0, 300, 500, 700])
 @pytest.mark.long
 def test_a_recorded_circle_keeps_its_biases_heading_and_height(robot: sf.Robot, start: int) -> None:
     time, force, gyro, joints, contact = read_go1(robot)

@@ -19,10 +19,7 @@ LAWS = {
 }
 
 
-@pytest.mark.parametrize(
-    ("law", "mass"),
-    [pytest.param(*v, id=k, marks=() if k == "damped" else pytest.mark.long) for k, v in LAWS.items()],
-)
+@pytest.mark.parametrize(("law", "mass"), LAWS.values(), ids=LAWS)
 @pytest.mark.long
 def test_mujoco_does_what_the_translation_says(law: SoftLaw, mass: float) -> None:
     pytest.importorskip("mujoco")

@@ -59,7 +59,7 @@ def test_a_displaced_body_keeps_its_feet(jump: Reference) -> None:
 
 @pytest.mark.parametrize(
     ("world", "limits"),
-    [("mujoco", "curve"), ("mujoco-exact", "curve"), pytest.param("mujoco", "box", marks=pytest.mark.long)],
+    [("mujoco", "curve"), ("mujoco-exact", "curve"), ("mujoco", "box")],
 )
 @pytest.mark.long
 def test_surprises_are_survived(jump: Reference, world: str, limits: str) -> None:

@@ -32,7 +32,6 @@ from surefoot.worlds.running.scenario import Ice, IcePatch
 from surefoot.worlds.running.sensors import ImuModel, SensorModel, TouchModel
 
 pytest.importorskip("mujoco")
-LONG = pytest.mark.long
 CLOCKS = {"controller_time", "estimator_time"}
 """Channels of wall time, which no state keeps."""
 PUSHES = ((1.0, (0.0, 80.0, 0.0), 0.1), (1.95, (0.0, 120.0, 0.0), 0.1), (2.2, (80.0, 0.0, 0.0), 0.1))
@@ -111,10 +110,7 @@ print(kept.time, len(log))
 """
 
 
-@pytest.mark.parametrize(
-    "name", ["trot", *(pytest.param(name, marks=LONG) for name in CASES if name != "trot")]
-)
-@pytest.mark.long
+@pytest.mark.parametrize("name", CASES)
 @pytest.mark.long
 def test_a_run_resumed_in_a_fresh_process_goes_on_to_the_last_bit(name: str, tmp_path: Path) -> None:
     kept: list[RunState] = []
@@ -245,7 +241,6 @@ def test_a_state_that_does_not_fit_is_refused(
 
 
 @pytest.mark.long
-@pytest.mark.long
 def test_a_run_goes_on_in_its_own_setting_alone(walk: tuple[Any, list[RunState], Make]) -> None:
     whole, kept, again = walk
     for given, told in (
@@ -268,7 +263,6 @@ def test_a_run_goes_on_in_its_own_setting_alone(walk: tuple[Any, list[RunState],
     assert pushed["v"][:, 1].max() > whole["v"][:, 1].max() + 0.1
 
 
-@pytest.mark.long
 @pytest.mark.long
 def test_a_robot_that_has_lost_its_estimate_goes_on_standing_to_the_same_end() -> None:
     broken = replace(SensorModel(), imu=ImuModel(accelerometer_range=6.0))
@@ -298,7 +292,6 @@ class Naming(Counting):
     MEMORY = ("count",)
 
 
-@pytest.mark.long
 @pytest.mark.long
 def test_what_cannot_tell_its_state_is_refused_before_anything_moves(tmp_path: Path) -> None:
     keep = StateKeeper(0.1, print)
@@ -335,7 +328,6 @@ def test_what_cannot_tell_its_state_is_refused_before_anything_moves(tmp_path: P
     assert kept[2].controller["own"] == {"count": 200}
 
 
-@pytest.mark.long
 @pytest.mark.long
 def test_a_rigid_world_that_went_on_says_of_its_last_step_what_the_first_one_does() -> None:
     robot = sf.load_robot("go2")

@@ -46,7 +46,7 @@ def test_a_trot_masters_terrain(terrain: Terrain, speed: float, duration: float)
     assert summary.climb == pytest.approx(float(climbed), abs=0.12)
 
 
-@pytest.mark.parametrize("robot", ["hyq", pytest.param("anymal_kinova", marks=pytest.mark.long)])
+@pytest.mark.parametrize("robot", ["hyq", "anymal_kinova"])
 @pytest.mark.long
 def test_a_base_beside_the_centre_of_mass_goes_at_the_command(robot: str) -> None:
     """The centre of mass is 4 and 8 cm ahead of the base: it swerves where the body turns; arms stay put."""

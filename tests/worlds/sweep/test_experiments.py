@@ -92,7 +92,7 @@ def test_motors_give_their_share() -> None:
         Faults(strength=-1.0).start(world, None)
 
 
-@pytest.mark.parametrize("world", [pytest.param("mujoco", marks=pytest.mark.long), "rigid"])
+@pytest.mark.parametrize("world", ["mujoco", "rigid"])
 @pytest.mark.long
 def test_a_walk_depends_on_its_ground_and_motors(world: str) -> None:
     settings = {"world": world, "duration": 0.5, "slope": 15.0}

@@ -20,7 +20,7 @@ from surefoot.motion.planning.transcription.pair_rollout import rollout_with_pai
 pytest.importorskip("casadi")
 
 
-@pytest.mark.parametrize("task", ["ball", "hopper", pytest.param("push", marks=pytest.mark.long)])
+@pytest.mark.parametrize("task", ["ball", "hopper", "push"])
 @pytest.mark.long
 def test_a_task_is_solved_and_lawful(task: str) -> None:
     heard = []
