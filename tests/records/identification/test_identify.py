@@ -115,7 +115,7 @@ def test_what_a_jointed_body_can_tell_is_found(tmp_path: Path) -> None:
     path.write_text(ELBOW)
     body = thrown_body(path)
     true = body.at({"friction_hinge": 0.01, "mass_hinge": 0.45, "com_x": 0.004})
-    recorded = random_tosses(24, (0.25, 0.15, 0.002), seed=3, frames=60, steps=2, body=true)
+    recorded = random_tosses(16, (0.25, 0.15, 0.002), seed=3, frames=60, steps=2, body=true)
     corners, wrong = sphere_places(body.tree, recorded.poses), body.at({"friction_hinge": 0.03})
     before = flying_frames(recorded, corners, GroundPlane(0.0, np.zeros(2)), 0.1)
     first = TossFlight(recorded, before, wrong.tree, 9.81)  # whole steps throw one away, at 27 m/s
