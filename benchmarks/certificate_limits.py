@@ -196,7 +196,7 @@ def main() -> None:
         check_name("setting", name, tuple(every))
     robot = sf.load_robot("g1")
     people = [first_minute(sf.read_motion(path, robot, fps=RATES[0])) for path in given.people]
-    motions = list(walks(robot, given.walks, given.seconds))
+    motions = [] if given.repairs and people else list(walks(robot, given.walks, given.seconds))
     of_certificates = None if given.repairs else certificate_scores(motions, people)
     found = []
     for name in given.names or every:

@@ -67,6 +67,11 @@ def test_motions_are_mended_into_a_folder(
     (facts,) = answer("certify", *given, code=1)
     assert facts["mended"]["file"] == str(path)
     assert facts["mended"]["verdict"] == "possible"
+    path.write_bytes(b"what somebody made of it")
+    (facts,) = answer("certify", *given, code=1)
+    assert facts["mended"]["file"] == str(path.with_stem(f"{path.stem}-again-2"))
+    assert path.read_bytes() == b"what somebody made of it"
+    assert len(list((tmp_path / "mended").iterdir())) == 2
 
 
 def test_wrong_input_exits_2(folder: Path, tmp_path: Path, printed: Callable[..., str]) -> None:

@@ -7,12 +7,14 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from surefoot.base.errors import ProblemError, SurefootError, one_line, writing
 
 if TYPE_CHECKING:
     from surefoot.records.certificates.motion_report import MotionReport
+    from surefoot.records.motions.motion import Motion
 
 
 @dataclass(frozen=True)
@@ -141,9 +143,8 @@ def _mend(report: MotionReport, path: Path, number: int, question: Question) -> 
     mended = repair_motion(report)
     place = _place(path, question, Path(str(question.repair)))
     place = place.with_name(f"{place.name}{'' if number == 1 else f'-{number}'}.npz")
-    place.unlink(missing_ok=True)  # the same motion, mended under the same rules
     return {
-        "file": str(mended.motion.to_npz(place)),
+        "file": str(_write_new(mended.motion, place)),
         "verdict": mended.report.verdict,
         "impossible_share": mended.report.impossible_share,
         "mended": mended.mended,
@@ -152,3 +153,13 @@ def _mend(report: MotionReport, path: Path, number: int, question: Question) -> 
         "duration": mended.motion.duration,
         "sentence": str(mended),
     }
+
+
+def _write_new(motion: Motion, place: Path) -> Path:
+    """Write a motion and return where: under the next free name if another file has the one that is meant."""
+    with writing(place), TemporaryDirectory(dir=place.parent) as folder:
+        made, number, free = motion.to_npz(Path(folder) / place.name), 1, place
+        while free.exists() and free.read_bytes() != made.read_bytes():  # not of an earlier run
+            number += 1
+            free = place.with_stem(f"{place.stem}-again-{number}")
+        return made.replace(free)
