@@ -33,6 +33,7 @@ from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solvers import solver as solvers
 from surefoot.mechanics.robot.catalog import find, robots_folder
 from surefoot.motion.planning import planner
+from surefoot.records.identification import identify
 from surefoot.worlds.interface.world_names import WORLDS, packages_of
 from tests.records.identification.hopper import write_hopper
 from tests.records.log.test_log_completion import write as write_table
@@ -185,13 +186,23 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module", autouse=True)
 def done_once() -> Iterator[None]:
-    """Let commands that ask for the same plan, the same way through a small program, or a trial share it.
+    """Let commands that ask for the same plan, way through a small program, trial or fit to tosses share it.
 
     Of a hundred and fifty ablations each task is walked as it is and with the first setting that is varied
     over it: that all settings can be changed is tests/benchmarks/test_ablation.py's.
     """
-    plans, ways, trials = dict[str, Any](), dict[Any, Any](), dict[Any, Any]()
+    plans, ways, trials, fits = dict[str, Any](), dict[Any, Any](), dict[Any, Any](), dict[Any, Any]()
     make_plan, race_all, walk_all = planner.plan, race.run, ablation_trials.run_trials
+    fit_all = identify.identify
+
+    def fit(tosses: Any, law: Any, *, found: Any = None, test: Any = None, **options: Any) -> Any:
+        if found is not None:
+            return fit_all(tosses, law, found=found, test=test, **options)
+        options.pop("progress")
+        key = f"{tosses.states.tobytes()!r} {law.name} {test is None} {sorted(options.items())}"
+        if key not in fits:
+            fits[key] = fit_all(tosses, law, test=test, **options)
+        return fits[key]
 
     def run_trials(
         change: Change, tasks: list[str], seeds: range, longest: float | None
@@ -220,6 +231,7 @@ def done_once() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(planner, "plan", plan)
         patch.setattr(race, "run", run)
+        patch.setattr(identify, "identify", fit)
         patch.setattr(ablation_trials, "run_trials", run_trials)
         yield
 
