@@ -59,6 +59,8 @@ def test_a_foot_that_finds_no_ground_stops_the_body_and_the_walk_says_why() -> N
     assert asked.search is not None
     assert asked.search.careful
     assert asked.note == ""
+    assert not asked.hold  # a body at rest over three feet goes on looking
+    assert one.propose(view_of(command, ground=stands)).hold
     stand(ground, stands, (0.3, -0.12))
     assert ground.drop.depth == pytest.approx(0.12)
     note = one.propose(view_of(command, ground=stands, time=0.4)).note

@@ -143,6 +143,16 @@ def test_exploits_and_the_reward_that_came_from_them() -> None:
     assert "broken" in repr(report)
 
 
+def test_the_environment_that_breaks_a_law_most_comes_first() -> None:
+    arrays, masses, mu = windows(4, 9)
+    for environment, rows in ((1, 30), (3, 120)):
+        forces = arrays["forces"][100 : 100 + rows, environment]
+        forces[..., 0] = 2.0 * forces[..., 2]
+    report = sf.audit_batch(arrays, DT, mu, mass=masses, facts=soft_facts())
+    assert report.worst("friction").tolist() == [3, 1]
+    assert report.worst("friction", 1).tolist() == [3]
+
+
 def test_without_masses_nothing_is_lawful() -> None:
     """What is broken is broken at any mass; the rest cannot be told."""
     arrays, _, mu = windows(6, 10)
