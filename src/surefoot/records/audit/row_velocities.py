@@ -55,8 +55,8 @@ def velocities_after_each(
         clean = np.where(np.isfinite(values), values, 0.0)
         return np.asarray(clean.sum(axis=0).reshape(robots, -1).sum(axis=1))
 
-    change, way = np.diff(gaps, axis=0), dt * up
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore", over="ignore"):
+        change, way = np.diff(gaps, axis=0), dt * up
         before, after, mean = (
             total(np.abs(change - w)) for w in (way[1:], way[:-1], 0.5 * (way[1:] + way[:-1]))
         )
@@ -80,13 +80,13 @@ def forces_late(log: Log, dt: float, weight: float) -> bool:
     if dt <= 0.0 or not {"forces", "normals"} <= set(log):
         return False
     forces, normals = (np.asarray(log[name][:ROWS]) for name in ("forces", "normals"))
-    if "momentum" in log:
-        change = np.diff(np.asarray(log["momentum"][:ROWS])[:, :3], axis=0)[1:] / dt
-    elif "com" in log:
-        change = np.diff(np.asarray(log["com"][:ROWS]), n=2, axis=0) * (weight / GRAVITY) / dt**2
-    else:
-        return False
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore", over="ignore"):
+        if "momentum" in log:
+            change = np.diff(np.asarray(log["momentum"][:ROWS])[:, :3], axis=0)[1:] / dt
+        elif "com" in log:
+            change = np.diff(np.asarray(log["com"][:ROWS]), n=2, axis=0) * (weight / GRAVITY) / dt**2
+        else:
+            return False
         force = np.einsum("tpij,tpj->ti", frames_on(normals), forces)
         force += weight / GRAVITY * np.asarray(log.facts.get("gravity", (0.0, 0.0, -GRAVITY)))
         off = [np.abs(change - one) for one in (force[1:-1], force[2:])]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -147,7 +148,7 @@ def load_doubts(log: Log) -> Iterator[str]:
     total = _mean(np.asarray(log["forces"]).sum(axis=1), axis=0)
     if not np.isfinite(total).all():
         return
-    size = float(np.linalg.norm(total))
+    size = math.hypot(*total)  # no overflow of huge forces
     if size > 1e-6 and total[2] < -0.7 * size:
         yield f"normal forces are {total[2]:.4g} N on average: are they those on the ground?"
         return

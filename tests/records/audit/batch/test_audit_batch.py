@@ -153,6 +153,26 @@ def test_the_environment_that_breaks_a_law_most_comes_first() -> None:
     assert report.worst("friction", 1).tolist() == [3]
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_random_rows_of_any_size_are_judged_as_alone(seed: int) -> None:
+    """Few rows, forces from 1e-6 to 1e206 N, gaps and speeds without end, no friction or any: no warning."""
+    rng = np.random.default_rng(9000 + seed)
+    T, N, points, scale = int(rng.integers(2, 400)), 4, int(rng.integers(1, 5)), 10.0 ** rng.uniform(-6, 6)
+    forces, velocities = rng.normal(size=(2, T, N, points, 3))
+    forces[..., 2] = np.abs(forces[..., 2])
+    gaps = rng.normal(size=(T, N, points)) * 10.0 ** rng.uniform(-9, 0)
+    gaps[:, 0], forces[:, 1] = np.where(rng.random((T, points)) < 0.5, np.inf, 0.0), 0.0
+    forces *= np.where(np.arange(N) == 2, 1e200, 1.0)[:, None, None] * scale
+    velocities[T // 2, 3] = np.inf if seed % 2 else np.nan
+    arrays = {"forces": forces, "gaps": gaps, "contact_velocities": velocities}
+    masses, mu = scale * rng.uniform(0.01, 0.5, size=N), rng.choice([0.0, 0.3, 1e9], size=N)
+    report = sf.audit_batch(arrays, DT, mu, mass=masses)
+    for k in range(N):
+        one = _alone(arrays, k, masses[k], mu[k], {})
+        assert report.verdicts[k] == one.verdict
+        assert {law for law in LAWS if report[law].share[k] > 0.0} == {*one.laws_broken} - {"finite"}
+
+
 def test_without_masses_nothing_is_lawful() -> None:
     """What is broken is broken at any mass; the rest cannot be told."""
     arrays, _, mu = windows(6, 10)
