@@ -204,7 +204,7 @@ RUNS = [
     ("sweep drops.yaml --samples 0", "samples must be a whole number >= 1"),
     ("sweep drops.yaml --backend slurm", "unknown backend 'slurm'; valid names: dask, loky, ray, serial"),
     ("sweep drops.yaml --address x:1", "--address is of --backend ray or dask"),
-    ("sweep drops.yaml --backend serial --workers 2", "--backend serial has one worker and no address"),
+    ("sweep drops.yaml --backend serial --workers 2", "--backend serial has one worker, not 2"),
     ("sweep drops.yaml --workers 0", "workers must be a whole number >= 1, got 0"),
     ("audit good.npz --out good.npz/x", "cannot write to --out"),
     ("robot --terrain stairs:0.1,0.3", "--terrain must be flat or slope:DEG"),

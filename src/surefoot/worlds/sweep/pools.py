@@ -122,8 +122,6 @@ def dask(task: SweepTask, workers: int | None, address: str | None) -> Workers:
 
 def serial(task: SweepTask, workers: int | None, address: str | None) -> Workers:
     """Run chunks in the driver's own process, for debuggers. A sample that kills it ends the sweep."""
-    if address is not None or workers not in (None, 1):
-        raise ProblemError("--backend serial has one worker and no address")
 
     def submit(chunk: Chunk) -> Future[list[Row]]:
         future: Future[list[Row]] = Future()
@@ -152,6 +150,8 @@ def check_backend(backend: str, workers: int | None, address: str | None) -> Non
         whole_number("workers", workers, low=1)
     if address is not None and backend not in ("ray", "dask"):
         raise ProblemError(f"--address is of --backend ray or dask: {backend} runs on this machine")
+    if backend == "serial" and workers not in (None, 1):
+        raise ProblemError(f"--backend serial has one worker, not {workers}")
 
 
 class Pool:
