@@ -50,3 +50,14 @@ def test_turning_the_first_row():
     orthogonal.reflect(h, 6, right)
     np.testing.assert_allclose(right, b, atol=1e-14)
     np.testing.assert_allclose(b, (np.eye(6) - 2.0 * np.outer(h, h)) @ (before @ Q.T @ b), atol=1e-12)
+
+
+def test_a_row_without_length_turns_nothing():
+    Q, b, h = np.random.default_rng(3).normal(size=(4, 6)), np.arange(4.0), np.full(4, 7.0)
+    kept = Q.copy(), b.copy()
+    assert orthogonal.turn_first_row(Q, 4, np.zeros(4), h, b) == 0.0
+    assert h.tolist() == [0.0] * 4
+    np.testing.assert_array_equal(Q, kept[0])
+    np.testing.assert_array_equal(b, kept[1])
+    assert orthogonal.turn_first_row(Q, 4, np.array([2.0, 0.0, 0.0, 0.0]), np.full(4, 7.0), b) == 2.0
+    np.testing.assert_array_equal(Q, kept[0])
