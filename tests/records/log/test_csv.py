@@ -212,6 +212,7 @@ def test_empty_cells_and_words_are_numbers(tmp_path: Path) -> None:
             "forces is not finite in 1",
         ),
         (lambda r: {"imu_acceleration": np.tile([0, 0, 1.0], (T, 1))}, "is it in g"),
+        (lambda r: {"imu_acceleration": np.tile([0, 0, 1e200], (T, 1))}, "acceleration is 1e.200 m/s"),
         (lambda r: {"imu_acceleration": np.tile([0, 0, -9.8], (T, 1))}, "upside down"),
         (lambda r: {"imu_acceleration": np.tile([0, 0, 0.1], (T, 1))}, "is gravity taken out"),
         (lambda r: {"imu_acceleration": np.tile([9.8, 0, 0.1], (T, 1))}, "is z its upward axis"),

@@ -126,7 +126,7 @@ def _gravity(log: Log) -> Iterator[str]:
     if "imu_acceleration" not in log or not len(log):
         return
     mean = _mean(log["imu_acceleration"], 0)
-    size = float(np.linalg.norm(mean))
+    size = math.hypot(*mean)
     if not np.isfinite(size) or 0.8 * GRAVITY < size < 1.2 * GRAVITY:
         if mean[2] < -0.5 * size:
             yield f"the IMU's mean acceleration is {mean[2]:.3g} m/s^2 along z: its sign, or upside down?"
