@@ -6,7 +6,6 @@ import copy
 import json
 import random
 from collections.abc import Callable, Iterator
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -17,13 +16,13 @@ from surefoot.app.cli.scenario_file import WALK_KEYS, ScenarioFile
 from surefoot.app.export import read_sequence
 from surefoot.app.export.sequence_file import sequence_to_dict
 from surefoot.base.errors import SurefootError
-from surefoot.mechanics.robot import Robot, load_robot
 from surefoot.mechanics.stance.files import read_stance
 from surefoot.motion.policy.publishers import read_description
 from surefoot.motion.policy.spec import PolicySpec, missing
 from surefoot.records.log.mapping import read_mapping
 from surefoot.worlds.sweep.config import read_sweep
 from tests.app.export.sequences import random_sequence
+from tests.robots import go2
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 ODD: list[Any] = [
@@ -38,14 +37,9 @@ MAPPING = {
 }  # fmt: skip
 
 
-@cache
-def _go2() -> Robot:
-    return load_robot("go2")
-
-
 def read_policy(path: Path) -> object:
     """Return what a policy's description says; one that lacks keys is said by the caller."""
-    robot = _go2()
+    robot = go2()
     table = read_description(path, robot)
     table.pop("convention", None)
     return None if missing(table) else PolicySpec.of(table, robot)
