@@ -199,7 +199,8 @@ def done_once() -> Iterator[None]:
         if found is not None:
             return fit_all(tosses, law, found=found, test=test, **options)
         options.pop("progress")
-        key = f"{tosses.states.tobytes()!r} {law.name} {test is None} {sorted(options.items())}"
+        thrown = tuple(None if one is None else one.states.tobytes() for one in (tosses, test))
+        key = thrown, law.name, *sorted(options.items())
         if key not in fits:
             fits[key] = fit_all(tosses, law, test=test, **options)
         return fits[key]
@@ -208,7 +209,7 @@ def done_once() -> Iterator[None]:
         change: Change, tasks: list[str], seeds: range, longest: float | None
     ) -> Generator[dict[str, Any], None, None]:
         for task in tasks:
-            key = task, change.changes == {}, change.without
+            key = task, not change.changes, change.without
             if key not in trials:
                 trials[key] = list(walk_all(change, [task], seeds, longest))
             yield from trials[key]
