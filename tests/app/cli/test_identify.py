@@ -17,7 +17,7 @@ QUICK = ("--resamples", "50")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("identify")
     for seed, name in enumerate(("train", "test")):
-        write_tosses(random_tosses(8, TRUTH, seed=seed, frames=45), place / f"{name}.npz")
+        write_tosses(random_tosses(8, TRUTH, seed=seed, frames=30), place / f"{name}.npz")
     return place
 
 

@@ -29,8 +29,7 @@ watched."""
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("watch", [False, True], ids=["", "slip"])
-@pytest.mark.parametrize("ground", ["flat", "slope:8"])
+@pytest.mark.parametrize(("ground", "watch"), [("flat", True), ("slope:8", False)], ids=["slip", "slope"])
 @pytest.mark.parametrize("knowledge", KNOWLEDGE)
 @pytest.mark.parametrize("gait", ["trot", "walk", "auto"])
 def test_behaviours_walk_together(gait: str, knowledge: str, ground: str, watch: bool) -> None:
