@@ -5,9 +5,9 @@
 A change is an operator (+ and -, * and /, < and <=, and, or, ...), a constant, or a dropped statement, drawn
 with the seed from the lines of code of a package (all packages, by their lines, if none is named), but not in
 annotations, which mypy judges. It is made in a copy of the checkout that is removed afterwards.
-A change is caught when the package's tests fail, or run
-for much longer than without it; `--all` judges by the tests that are marked long as well. The last line tells
-how many of how many were caught; the exit code is 0 unless a package's tests fail without any change.
+A change is caught when the package's tests fail, or run for much longer than without it; with `--all` what
+these miss is judged by the tests marked long as well. The last line tells how many of how many were caught;
+the exit code is 0 unless a package's tests fail without any change.
 """
 
 from __future__ import annotations
@@ -29,6 +29,8 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = Path("src/surefoot")
 PATIENCE, LONGEST = 4.0, 300.0
 """Tests that run this many times as long as without a change, and at least so long [s], have found it."""
+NO_TESTS = 5
+"""Pytest's exit code where no test has the mark."""
 SWAPS: dict[type[ast.AST], type[ast.AST]] = {
     ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.MatMult: ast.Mult,
     ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq,
@@ -163,24 +165,24 @@ class Judge:
     places
         Tests to judge by; empty for those of the package.
     everything
-        Whether long ones judge, too.
+        Whether long ones judge what the others miss.
     """
 
     def __init__(self, copy: Path, places: list[str], everything: bool) -> None:
-        self._copy, self._places, self._everything = copy, places, everything
-        self._seconds: dict[str, float] = {}
+        self._copy, self._places = copy, places
+        self._marks = ("not long", "long") if everything else ("not long",)
+        self._seconds: dict[tuple[str, ...], float] = {}
         self._sound: dict[tuple[str, ...], bool] = {}
 
-    def _run(self, places: list[str], limit: float | None) -> str | None:
+    def _run(self, places: list[str], mark: str, limit: float | None) -> str | None:
         """Return what tests print where one fails, "" where all pass; None beyond a time limit [s]."""
-        words = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider"]
-        words += [] if self._everything else ["-m", "not long"]
+        words = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "-m", mark]
         command = ["env", f"PYTHONPATH={self._copy / 'src'}:{self._copy}", *words, *places]
         try:
             done = subprocess.run(command, cwd=self._copy, capture_output=True, timeout=limit, text=True)
         except subprocess.TimeoutExpired:
             return None
-        return f"{done.returncode}\n{done.stdout}" if done.returncode else ""
+        return f"{done.returncode}\n{done.stdout}" if done.returncode not in (0, NO_TESTS) else ""
 
     def _ordered(self, one: Mutation) -> list[str]:
         """Return the files of tests that judge a change, those that name its module first."""
@@ -195,32 +197,38 @@ class Judge:
 
         return [str(file.relative_to(self._copy)) for file in sorted(files, key=far)]
 
-    def _passes_clean(self, places: list[str]) -> bool:
+    def _passes_clean(self, places: list[str], mark: str) -> bool:
         """Return whether tests pass without a change, asked once."""
-        key = tuple(places)
+        key = (mark, *places)
         if key not in self._sound:
             begin = time.perf_counter()
-            self._sound[key] = self._run(places, None) == ""
-            self._seconds[" ".join(places)] = time.perf_counter() - begin
+            self._sound[key] = self._run(places, mark, None) == ""
+            self._seconds[key] = time.perf_counter() - begin
         return self._sound[key]
 
     def caught(self, one: Mutation) -> bool | None:
         """Return whether the tests of its package find a change; None where they fail without it."""
+        for mark in self._marks:
+            found = self._caught_by(one, mark)
+            if found is not False:
+                return found
+        return False
+
+    def _caught_by(self, one: Mutation, mark: str) -> bool | None:
         path = self._copy / PACKAGE / one.file
         source, places, limit = path.read_text(encoding="utf-8"), self._ordered(one), LONGEST
-        everything = " ".join(sorted(places))
         while True:
             path.write_text(_changed_file(one, self._copy), encoding="utf-8")
             try:
-                told = self._run(places, limit)
+                told = self._run(places, mark, limit)
             finally:
                 path.write_text(source, encoding="utf-8")
             if told == "":
                 return False
             failed = re.findall(r"^(?:FAILED|ERROR) (\S+?\.py)", told or "", re.MULTILINE)[:1]
-            if not self._passes_clean(failed or sorted(places)):
+            if not self._passes_clean(failed or sorted(places), mark):
                 return None
-            if told is not None or limit >= (needed := PATIENCE * self._seconds[everything]):
+            if told is not None or limit >= (needed := PATIENCE * self._seconds[mark, *sorted(places)]):
                 return True
             limit = needed
 
