@@ -161,7 +161,12 @@ def test_a_command_compiles_nothing_and_says_the_same(command: str, tmp_path: Pa
 @pytest.mark.long
 @pytest.mark.parametrize(
     ("command", "stance"),
-    [("check", "chimney.yaml"), ("check", "go2_three_legs.yaml"), ("region", "slope.yaml")],
+    [
+        ("check", "chimney.yaml"),
+        ("check", "go2_three_legs.yaml"),
+        ("check", "g1_hand_on_wall.yaml"),
+        ("region", "slope.yaml"),
+    ],
 )
 def test_every_stance_is_told_the_same(command: str, stance: str, tmp_path: Path) -> None:
     words = [command, str(STANCES / stance), "--no-picture"]
