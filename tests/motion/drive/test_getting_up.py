@@ -11,7 +11,7 @@ import pytest
 
 import surefoot as sf
 from surefoot.mechanics import actuators_of
-from surefoot.motion.drive.getting_up import FALLEN, RollOver
+from surefoot.motion.drive.getting_up import FALLEN, FallRecovery, RollOver
 from surefoot.motion.drive.modes import LoopMode
 from surefoot.motion.drive.postures import BodyPostures, posture_gains
 from surefoot.motion.drive.robot_loop import RobotLoop
@@ -112,6 +112,29 @@ def test_who_does_not_know_how() -> None:
     ):
         loop.go("stand")
     assert loop.mode is LoopMode.DAMP
+
+
+def test_a_robot_gets_up_once_it_has_lain_still_for_a_second() -> None:
+    recovery, zero = FallRecovery(), np.zeros(12)
+
+    def rises(time: float, turning: float = 0.0, moving: float = 0.0, fault: str = FALLEN) -> bool:
+        gyro, speeds = np.array([0.0, turning, 0.0]), np.append(zero[:11], moving)
+        pose = np.array([0.0, 0.0, 0.0, 1.0]), gyro, np.array([0.0, 0.0, 9.81])
+        readings = sf.RobotReadings(time, *pose, GO2.nominal[7:], speeds, zero)
+        return recovery.rises(LoopMode.DAMP, fault, time, readings)
+
+    recovery.fell(LoopMode.WALK, 0.0)
+    assert not rises(0.9)
+    assert not rises(1.1, turning=-0.4)
+    assert not rises(2.0)
+    assert not rises(2.2, moving=0.4)
+    assert not rises(3.1, turning=0.2, moving=-0.2)
+    assert not rises(3.3, fault="late")
+    assert rises(3.3)
+    assert not recovery.rises(LoopMode.DAMP, FALLEN, 9.0, None)
+    for time in (10.0, 20.0, 30.0, 40.0):
+        recovery.fell(LoopMode.WALK, time)
+    assert not rises(60.0)
 
 
 @pytest.mark.parametrize("name", ["go2", "g1", "solo12"])

@@ -50,6 +50,12 @@ def test_an_array_a_foot(tmp_path: Path) -> None:
     np.testing.assert_array_equal(log["forces"][0, :, 2], [30.0, 31.0, 32.0, 33.0])
 
 
+def test_an_array_of_all_feet_leaves_their_own_aside(tmp_path: Path) -> None:
+    log = sf.read_log(saved(tmp_path, t=TIME, forces=FORCES, FL_force=2.0 * FORCES[:, 0]))
+    np.testing.assert_array_equal(log["forces"], FORCES)
+    assert len(log.facts.get("feet", ())) in (0, 4)
+
+
 def test_a_template_is_completed_and_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path, mapping = saved(tmp_path, stamp_ms=1e3 * TIME, legs=FORCES, mu=0.6), tmp_path / "own.yaml"
     assert main(["audit", str(path), "--template", str(mapping)]) == 0
