@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, finite_array
-from surefoot.base.kernels import inline_kernel, kernel
+from surefoot.base.kernels import inline_kernel, kernel, releasing_kernel
 
 Three = tuple[float, float, float]
 _FLOAT = np.dtype(np.float64)
+_SQUARED_LEAST = 1e-146
+"""The least length whose square keeps all digits [-]."""
 
 
 @inline_kernel
@@ -25,6 +29,25 @@ def times(A: FloatArray, v: Three) -> Three:
         A[1, 0] * v[0] + A[1, 1] * v[1] + A[1, 2] * v[2],
         A[2, 0] * v[0] + A[2, 1] * v[1] + A[2, 2] * v[2],
     )
+
+
+def planar_lengths(vectors: FloatArray) -> FloatArray:
+    """Return sqrt(x^2 + y^2) of the first two of (T, p, k) components: (T, p), at any size."""
+    out = np.empty(vectors.shape[:2])
+    _planar_lengths(vectors, out)
+    return out
+
+
+@releasing_kernel
+def _planar_lengths(vectors: FloatArray, out: FloatArray) -> None:
+    """Fill out (T, p) with what `planar_lengths` returns."""
+    for t in range(out.shape[0]):
+        for k in range(out.shape[1]):
+            x, y = vectors[t, k, 0], vectors[t, k, 1]
+            size = math.sqrt(x * x + y * y)
+            if not _SQUARED_LEAST < size < math.inf:  # the squares leave the range of doubles
+                size = math.hypot(x, y)
+            out[t, k] = size
 
 
 @inline_kernel

@@ -2,21 +2,37 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
+from surefoot.base.kernels import releasing_kernel
 
 
 def sliding_sum(values: FloatArray, rows: int) -> FloatArray:
     """Return the sum over a window of so many rows about each row: shape and unit of (T, ...) values."""
-    count, below, above = len(values), (rows - 1) // 2, rows // 2 + 1
-    total = np.zeros((count + 1, *values.shape[1:]))
-    np.cumsum(values, axis=0, out=total[1:])
-    out, inside = np.empty_like(total[1:]), max(count - above + 1, 0)
-    out[:inside], out[inside:] = total[above : above + inside], total[count]
-    if below < count:
-        out[below:] -= total[: count - below]
-    return out
+    flat = np.ascontiguousarray(values, dtype=np.float64).reshape(len(values), math.prod(values.shape[1:]))
+    out = np.empty(flat.shape)
+    _sums(flat, (rows - 1) // 2, rows // 2 + 1, out)
+    return out.reshape(values.shape)
+
+
+@releasing_kernel
+def _sums(values: FloatArray, below: int, above: int, out: FloatArray) -> None:
+    """Fill out (T, k) with sums over the rows from `below` before each to that before `above` after it.
+
+    As differences of sums from the first row on.
+    """
+    count, width = values.shape
+    total = np.zeros((count + 1, width))
+    for t in range(count):
+        for k in range(width):
+            total[t + 1, k] = total[t, k] + values[t, k]
+    for t in range(count):
+        first, last = max(t - below, 0), min(t + above, count)
+        for k in range(width):
+            out[t, k] = total[last, k] - total[first, k]
 
 
 def sliding_mean(values: FloatArray, rows: int) -> FloatArray:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 
@@ -74,6 +75,8 @@ class Check:
         """Return measure, limit and where it is exceeded in the rows that are asked for, and are finite."""
         core = rows.core
         value, limit, bad = self.measure(rows)
+        if rows.all_finite:
+            return value[core], limit[core], bad[core]
         lost = rows.not_finite[core, : bad.shape[1]] | rows.not_finite[core, -1:]
         return value[core], limit[core], bad[core] & ~lost
 
@@ -84,7 +87,7 @@ def _penetration(rows: Rows) -> Measured:
     limit = max(limits.penetration, sinking)
     deep = np.where(rows.swinging, max(limit, limits.swing_depth * sinking), limit)
     # a soft corner goes on for a row while another one lands
-    late = way_to_touch(rows) if sinking > 0.0 else 0.0
+    late = rows.once(way_to_touch) if sinking > 0.0 else 0.0
     return over(-rows.gaps, deep + late)
 
 
@@ -110,7 +113,7 @@ def _distance(rows: Rows) -> Measured:
     limit = max(rows.setting.limits.laws.penetration, rows.setting.sinking)
     margin = np.asarray(rows.log.facts.get("contact_margin", np.zeros(rows.points)))
     most = rows.setting.limits.softness.sinking
-    return over(value, limit + np.clip(margin, 0.0, most) + way_to_touch(rows))
+    return over(value, limit + np.clip(margin, 0.0, most) + rows.once(way_to_touch))
 
 
 def _without_settling(rows: Rows, value: FloatArray) -> FloatArray:
@@ -128,11 +131,11 @@ def _work(rows: Rows) -> tuple[FloatArray, FloatArray, FloatArray]:
     on = rows.loaded.copy()
     on[1:] &= rows.loaded[:-1]  # not the row of a touchdown: its force is the blow that stops the foot
     slip = rows.slip if own else rows.velocities
-    v = np.where(on[..., None], slip[..., :2], 0.0) * rows.dt[:, None, None]
-    f = rows.forces[..., :2]
-    way = np.hypot(*np.moveaxis(sliding_sum(v, w), -1, 0))
-    work = sliding_sum((f * v).sum(axis=-1), w)
-    most = sliding_sum(friction * rows.normal * np.hypot(v[..., 0], v[..., 1]), w)
+    taken = np.where(on, rows.dt[:, None], 0.0)
+    x, y = slip[..., 0] * taken, slip[..., 1] * taken
+    way = np.hypot(sliding_sum(x, w), sliding_sum(y, w))
+    work = sliding_sum(rows.forces[..., 0] * x + rows.forces[..., 1] * y, w)
+    most = sliding_sum(friction * rows.normal * np.hypot(x, y), w)
     return way, work, most
 
 
@@ -236,7 +239,7 @@ def _chatter(rows: Rows) -> Measured:
 
 def _blow(rows: Rows) -> Measured:
     """Force of one or two rows beyond those on both sides, over m g."""
-    size = np.linalg.norm(rows.forces, axis=-1)
+    size = rows.force_sizes
     around = np.full(size.shape, np.inf)
     if rows.count >= 5:
         around[2:-2] = np.maximum(np.minimum(size[:-4], size[1:-3]), np.minimum(size[4:], size[3:-1]))
@@ -253,9 +256,9 @@ def _spike(rows: Rows) -> Measured:
     value, limit, _ = _blow(rows)
     if not rows.has("contact_velocities"):
         return over(value, limit)
-    down = np.maximum(-rows.velocities[..., 2], 0.0)
+    down = np.maximum(-rows.rising, 0.0)
     around = np.pad(down, ((2, 2), (0, 0)), mode="edge")
-    near = np.max([around[k : k + rows.count] for k in range(5)], axis=0)
+    near = reduce(np.maximum, (around[k : k + rows.count] for k in range(5)))
     speed = rows.over_robot(near, np.maximum)
     share = rows.setting.limits.episodes.landing * speed / (GRAVITY * rows.dt[:, None])
     return over(value, limit + share * np.hypot(1.0, rows.mu))

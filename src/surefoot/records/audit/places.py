@@ -34,7 +34,7 @@ def gap_place(rows: Rows) -> Measured:
         plane = (np.abs(rows.numbers("normals") - height[..., :3]) < LEVEL).all(axis=2)
         plane &= on_ground(rows.log, rows.points)
         value = np.where(plane & ~too_far(rows), value, 0.0)
-    open_way = way_to_touch(rows) if rows.setting.means else 0.0  # means of places, gaps of instants
+    open_way = rows.once(way_to_touch) if rows.setting.means else 0.0  # means of places, gaps of instants
     return over(value, rows.setting.limits.consistency.place + softness + open_way)
 
 

@@ -10,9 +10,12 @@ that stores energy has taken it before: the sum since touchdown stays below zero
 
 from __future__ import annotations
 
+from functools import reduce
+
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.kernels import releasing_kernel
 from surefoot.base.spatial import GRAVITY
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.rows import Measured, Rows, over
@@ -32,7 +35,7 @@ def rebound(rows: Rows) -> Measured:
     limits = rows.setting.limits.rebound
     if rows.has("gaps"):
         loaded = loaded | (rows.gaps < 0.0)
-    up = rows.velocities[..., 2]
+    up = rows.rising
     value, taken = returned_work(rows.normal, up, dt, loaded, after)
     if after is None:  # what is said to be a mean may be either end of it
         for end in (False, True):
@@ -69,7 +72,7 @@ def throw(rows: Rows) -> Measured:
     depth = np.maximum(depth, np.append(depth[1:], depth[-1:], axis=0))
     deepest = _peak_since_touchdown(depth, loaded)
     after = rows.setting.after
-    first, last = _both_ends(rows.velocities[..., 2], after)
+    first, last = _both_ends(rows.rising, after)
     if after is None:  # a row of means may end unloaded, and be pulled up
         last = np.minimum(last, np.append(last[:1], last[:-1], axis=0))
     recoil = max(float(rows.log.facts["recoil"]), 0.0)
@@ -108,16 +111,17 @@ def _unloading(rows: Rows, loaded: BoolArray) -> FloatArray:
 
 
 def _peak_since_touchdown(values: FloatArray, loaded: BoolArray) -> FloatArray:
-    """Return the highest of (T, p) values >= 0 since each contact was last without load."""
-    # each touch a storey higher than the one before: a running maximum then never looks back beyond it
-    storey = np.cumsum(~loaded, axis=0) * (float(values.max(initial=0.0)) + 1.0)
-    return np.asarray(np.maximum.accumulate(np.where(loaded, values, 0.0) + storey, axis=0) - storey)
+    """Return the highest of (T, p) values >= 0 since each contact was last without load, 0 without it."""
+    out = np.empty(values.shape)
+    _peaks(values, loaded, out)
+    return out
 
 
 def _work(rows: Rows) -> FloatArray:
     """Return the work of the whole force of every contact in each row: (T, p) [J]."""
     first, last = _both_ends(rows.velocities, rows.setting.after)
-    work = 0.5 * (rows.forces * (first + last)).sum(axis=-1) * rows.dt[:, None]
+    power = reduce(np.add, (rows.forces[..., k] * (first[..., k] + last[..., k]) for k in range(3)))
+    work = 0.5 * power * rows.dt[:, None]
     return np.where(rows.loaded, work, 0.0)
 
 
@@ -172,8 +176,25 @@ def _both_ends(velocity: FloatArray, after: bool | None) -> tuple[FloatArray, Fl
 
 
 def _since_touchdown(values: FloatArray, loaded: BoolArray) -> FloatArray:
-    """Return the sums of (T, p) values since each contact was last without load."""
-    total = np.cumsum(values, axis=0)
-    before = np.maximum.accumulate(np.where(loaded, -1, np.arange(len(values))[:, None]), axis=0)
-    columns = np.arange(values.shape[1])[None]
-    return np.asarray(total - np.where(before >= 0, total[np.maximum(before, 0), columns], 0.0))
+    """Return the sums of (T, p) values since each contact was last without load, 0 without it."""
+    out = np.empty(values.shape)
+    _sums(values, loaded, out)
+    return out
+
+
+@releasing_kernel
+def _sums(values: FloatArray, loaded: BoolArray, out: FloatArray) -> None:
+    """Fill out (T, p) with what `_since_touchdown` returns."""
+    for t in range(values.shape[0]):
+        for c in range(values.shape[1]):
+            before = out[t - 1, c] if t > 0 else 0.0
+            out[t, c] = before + values[t, c] if loaded[t, c] else 0.0
+
+
+@releasing_kernel
+def _peaks(values: FloatArray, loaded: BoolArray, out: FloatArray) -> None:
+    """Fill out (T, p) with what `_peak_since_touchdown` returns."""
+    for t in range(values.shape[0]):
+        for c in range(values.shape[1]):
+            before = out[t - 1, c] if t > 0 else 0.0
+            out[t, c] = max(before, values[t, c]) if loaded[t, c] else 0.0

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.numerics.vectors import planar_lengths
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import frames_on
 from surefoot.records.audit.dynamics import UnexplainedForces, balanced_forces, unexplained
@@ -92,6 +93,11 @@ class Rows:
         return out
 
     @cached_property
+    def all_finite(self) -> bool:
+        """Whether every measurement is finite."""
+        return not self.not_finite.any()
+
+    @cached_property
     def time(self) -> FloatArray:
         """(T,) [s]."""
         return np.asarray(self.log["time"], dtype=np.float64)
@@ -110,12 +116,12 @@ class Rows:
     @cached_property
     def normal(self) -> FloatArray:
         """(T, p) normal forces [N]."""
-        return self.forces[..., 2]
+        return np.ascontiguousarray(self.forces[..., 2])
 
     @cached_property
     def tangential(self) -> FloatArray:
         """(T, p) size of the tangential forces [N]."""
-        return np.hypot(self.forces[..., 0], self.forces[..., 1])
+        return planar_lengths(self.forces)
 
     @cached_property
     def loaded(self) -> BoolArray:
@@ -131,6 +137,16 @@ class Rows:
     def velocities(self) -> FloatArray:
         """(T, p, 3) contact frames [m/s]."""
         return self.numbers("contact_velocities")
+
+    @cached_property
+    def rising(self) -> FloatArray:
+        """(T, p) velocities along the normals [m/s]."""
+        return np.ascontiguousarray(self.velocities[..., 2])
+
+    @cached_property
+    def speeds(self) -> FloatArray:
+        """(T, p) size of the tangential velocities [m/s]."""
+        return planar_lengths(self.velocities)
 
     @cached_property
     def mu(self) -> FloatArray:
@@ -153,9 +169,10 @@ class Rows:
         if not self.knows_creep:
             return np.full((1, 1), self.setting.creep)
         v = self.velocities[..., :2]
-        along = v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-300)
         change = np.diff(v, axis=0, append=v[-1:])
-        braked = np.maximum(-(change * along).sum(axis=-1), 0.0) / self.dt[:, None]
+        along = v / np.maximum(self.speeds, 1e-300)[..., None]
+        faster = change[..., 0] * along[..., 0] + change[..., 1] * along[..., 1]
+        braked = np.maximum(-faster, 0.0) / self.dt[:, None]
         rate = np.asarray(self.log.facts.get("contact_damping", np.full(self.points, np.inf)))
         late = braked / np.maximum(rate, 1e-300)
         if "contact_creep" not in self.log:  # in proportion to what it holds, by the same law
@@ -172,8 +189,7 @@ class Rows:
         """(T, p, 3) velocities, the tangential ones less what the world creeps [m/s]."""
         if not self.creep.any():
             return self.velocities
-        speed = np.hypot(self.velocities[..., 0], self.velocities[..., 1])
-        left = np.maximum(1.0 - self.creep / np.maximum(speed, 1e-300), 0.0)
+        left = np.maximum(1.0 - self.creep / np.maximum(self.speeds, 1e-300), 0.0)
         return np.asarray(self.velocities * left[..., None])
 
     @cached_property
@@ -184,7 +200,7 @@ class Rows:
         and from the row before as well as to the next: a mean lies between its neighbours.
         """
         change = np.diff(self.velocities[..., :2], axis=0, append=self.velocities[-1:, :, :2])
-        size = self.dt[:, None] * np.hypot(*np.moveaxis(change, -1, 0))
+        size = self.dt[:, None] * planar_lengths(change)
         if self.setting.means:
             size[1:] = np.maximum(size[1:], size[:-1].copy())
         else:
@@ -200,7 +216,8 @@ class Rows:
     @cached_property
     def force_sizes(self) -> FloatArray:
         """(T, p) [N]."""
-        return np.asarray(np.sqrt(np.einsum("tpi,tpi->tp", self.forces, self.forces)))
+        x, y, z = np.moveaxis(self.forces, -1, 0)
+        return np.asarray(np.sqrt(x * x + y * y + z * z))
 
     @cached_property
     def frames(self) -> FloatArray:
@@ -307,7 +324,8 @@ class Rows:
     def over_robot(self, values: FloatArray | BoolArray, operation: np.ufunc) -> Any:
         """Return (T, p) values of contacts put together for their robot: (T, 1), or (T, p) of several."""
         parts = values.reshape(self.count, self.setting.robots, -1)
-        return self._spread(operation.reduce(parts, axis=2))
+        # a robot has few contacts: one whole array after the other, where a reduction goes by fours
+        return self._spread(reduce(operation, np.moveaxis(parts, 2, 0)))
 
     def _spread(self, values: Any) -> Any:
         """Return (T, robots) values at each robot's contacts, (T, p); those of one robot as they are."""

@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
-from surefoot.base.kernels import kernel
+from surefoot.base.kernels import releasing_kernel
 from surefoot.records.audit.limits import LawLimits
 
 TOTAL, PEAK, LOST, WAY, X, Y, IDLE, WORST, BEYOND = range(9)
@@ -33,7 +33,7 @@ def slide_rules(limits: LawLimits) -> tuple[float, float, float]:
     return limits.slide_piece, limits.release, limits.lag
 
 
-@kernel
+@releasing_kernel
 def slide_on(
     state: FloatArray,
     forces: FloatArray,

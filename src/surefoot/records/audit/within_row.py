@@ -33,7 +33,7 @@ def way_to_touch(rows: Rows) -> FloatArray:
     """
     dt = rows.dt[:, None]
     if rows.has("contact_velocities"):
-        nearing = np.maximum(-rows.velocities[..., 2], 0.0) * dt
+        nearing = np.maximum(-rows.rising, 0.0) * dt
         nearing[1:] = np.maximum(nearing[1:], nearing[:-1])
     else:
         nearing = np.maximum(-np.diff(rows.gaps, axis=0, prepend=rows.gaps[:1]), 0.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import reduce
 
 import numpy as np
 
@@ -146,7 +147,7 @@ def judge_log(
     used = [c for c in SIDE_BY_SIDE if not coverage.get(c.name, "") and not lacking(log, c.needs)]
     for rows in pieces(log, setting):
         at = rows.first + rows.core.start
-        loaded |= rows.loaded[rows.core].reshape(-1, n, rows.points // n).any(axis=(0, 2))
+        loaded |= rows.loaded[rows.core].any(axis=0).reshape(n, -1).any(axis=1)
         lost |= rows.not_finite[rows.core].any()
         with np.errstate(over="ignore", invalid="ignore"):
             for check in used:
@@ -211,19 +212,19 @@ def take_found(found: Found, check: Check, rows: Rows, first: int, reward: Float
     shape = (len(given_bad), n, given_bad.shape[1] // n)
     value, limit, bad = given_value.reshape(shape), given_limit.reshape(shape), given_bad.reshape(shape)
     over = value - limit
-    if rows.not_finite.any() or not np.isfinite(over).all():
+    if not (rows.all_finite and np.isfinite(over).all()):
         lost = rows.not_finite[rows.core, :-1].reshape(over.shape)
         over = np.where(lost | np.isnan(over), -np.inf, over)
-    points = over.shape[2]
-    place = over.transpose(1, 0, 2).reshape(n, -1).argmax(axis=1)
-    row, contact, robots = place // points, place % points, np.arange(n)
+    robots, most = np.arange(n), reduce(np.maximum, np.moveaxis(over, 2, 0))
+    row = most.argmax(axis=0)
+    contact = over[row, robots].argmax(axis=1)
     now, before = over[row, robots, contact], found.value[:, c] - found.limit[:, c]
     better = ~(now <= before)
     found.value[better, c] = value[row, robots, contact][better]
     found.limit[better, c] = limit[row, robots, contact][better]
     found.row[better, c], found.contact[better, c] = first + row[better], contact[better]
     if bad.any():
-        flagged = np.asarray(bad.any(axis=2))
+        flagged = reduce(np.logical_or, np.moveaxis(bad, 2, 0))
         found.rows[:, c] += flagged.sum(axis=0)
         if reward is not None:
             found.reward[:, c] += np.where(flagged, reward[first : first + len(flagged)], 0.0).sum(axis=0)
