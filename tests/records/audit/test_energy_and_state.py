@@ -8,7 +8,7 @@ import pytest
 import surefoot as sf
 from surefoot.records.audit.continuity import state_slips
 from surefoot.records.audit.limits import LIMITS
-from surefoot.records.audit.restitution import returned_work
+from surefoot.records.audit.restitution import _peak_since_touchdown, _since_touchdown, returned_work
 from surefoot.records.audit.symptoms.fits import pyramid_facets
 from surefoot.records.log import Log
 from tests.records.audit.logs import STAND, TROT, changed, log_of
@@ -136,3 +136,15 @@ def test_contact_velocities_that_are_not_the_joints_break_a_law() -> None:
     velocities = np.array(log["contact_velocities"])
     velocities[:, 1] *= 1.3
     assert "contact velocity" in sf.audit_log(changed(log, contact_velocities=velocities)).laws_broken
+
+
+def test_sums_and_peaks_begin_anew_at_every_touchdown() -> None:
+    rng = np.random.default_rng(0)
+    values, loaded = rng.uniform(0.0, 2.0, (60, 5)), rng.random((60, 5)) < 0.8
+    sums, peaks = np.zeros(5), np.zeros(5)
+    for t in range(60):
+        sums, peaks = (
+            np.where(loaded[t], new, 0.0) for new in (sums + values[t], np.maximum(peaks, values[t]))
+        )
+        np.testing.assert_allclose(_since_touchdown(values, loaded)[t], sums, rtol=1e-13)
+        np.testing.assert_array_equal(_peak_since_touchdown(values, loaded)[t], peaks)
