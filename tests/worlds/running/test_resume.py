@@ -40,9 +40,8 @@ CASES: dict[str, dict[str, Any]] = {
     "trot": {},
     "sensors": {"sensors": SensorModel(touch=TouchModel(missed=0.1, false=2.0)), "seed": 3},
     "g1": {"robot": "g1", "sensors": SensorModel(), "seed": 1, "pushes": ((1.9, (0.0, 60.0, 0.0), 0.2),)},
-    "rigid": {"world": "rigid", "pushes": PUSHES[1:]},
-    "rigid-full-real": {"world": "rigid", "collision": "full", "actuators": "real"},
-    "real-full": {"actuators": "real", "collision": "full"},
+    "rigid-full-real": {"world": "rigid", "pushes": PUSHES[1:], "collision": "full", "actuators": "real"},
+    "soft-full-real": {"solref": (0.03, 0.9), "actuators": "real", "collision": "full"},
     "dropouts": {
         "sensors": SensorModel(), "seed": 2, "wired": True, "actuators": "real",
         "faults": Faults(delay=0.004, strength=0.97, dropouts=((1.97, 0.06), (2.2, 0.015))),
@@ -52,8 +51,6 @@ CASES: dict[str, dict[str, Any]] = {
     "stairs": {"terrain": "stairs:0.1,0.3"},
     "map": {"terrain": "stairs:0.1,0.3", "knowledge": "map", "scanner": RangeSensor(), "seed": 7},
     "blind": {"terrain": "rough:3,0.06", "knowledge": "blind", "substeps": 8},
-    "soft": {"solref": (0.03, 0.9)},
-    "exact": {"world": "exact"},
     "exact-full": {"world": "exact", "collision": "full", "actuators": "real", "substeps": 2},
     "exact-g1": {"world": "exact", "robot": "g1"},
 }  # fmt: skip
