@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from contextlib import ExitStack
 from pathlib import Path
 from statistics import median
 from typing import NamedTuple
@@ -14,10 +15,14 @@ from tests.same_logs.recording import environment
 CALL = "whole step"
 """Row of the benchmark: all that the controller does between a state and its torques."""
 PROGRAM = """
-import runpy, sys, time
+import contextlib, io, runpy, sys, time
 time.perf_counter = time.thread_time  # other work on the machine costs no time of this thread
 sys.argv = ["surefoot", "bench", "walk", "--quick", "--scene", "trot", "--json"]
-runpy.run_module("surefoot", run_name="__main__")
+for line in sys.stdin:
+    told = io.StringIO()
+    with contextlib.redirect_stdout(told), contextlib.suppress(SystemExit):
+        runpy.run_module("surefoot", run_name="__main__")
+    print(told.getvalue().replace("\\n", " "), flush=True)
 """
 
 
@@ -28,30 +33,54 @@ class StepTime(NamedTuple):
     p99: float
 
 
-def step_time(tree: Path) -> StepTime:
-    """Return what a tree's benchmark says; its kernels are compiled already, or its time says nothing."""
-    done = subprocess.run(
-        [sys.executable, "-c", PROGRAM], cwd=tree, env=environment(tree), capture_output=True, text=True,
-        check=True,
-    )  # fmt: skip
-    timing = next(row for row in json.loads(done.stdout)["steps"] if row["call"] == CALL)["timing"]
-    return StepTime(1e6 * timing["median"], 1e6 * timing["p99"])
+class Bench:
+    """A tree's benchmark in a process of its own, which waits between runs: a machine's speed changes by a
+    third within a minute, and runs that follow each other at once are told apart best.
+
+    Parameters
+    ----------
+    tree
+        Folder of the sources.
+    """
+
+    def __init__(self, tree: Path) -> None:
+        self._process = subprocess.Popen(
+            [sys.executable, "-c", PROGRAM], cwd=tree, env=environment(tree), text=True,
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+        )  # fmt: skip
+
+    def __enter__(self) -> Bench:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._process.communicate()
+
+    def run(self) -> StepTime:
+        """Return what the benchmark says now."""
+        asked, told = self._process.stdin, self._process.stdout
+        assert asked is not None and told is not None
+        print(file=asked, flush=True)
+        rows = json.loads(told.readline())["steps"]
+        timing = next(row for row in rows if row["call"] == CALL)["timing"]
+        return StepTime(1e6 * timing["median"], 1e6 * timing["p99"])
 
 
 def race(first: Path, second: Path, pairs: int) -> None:
-    """Print both trees' step times: every pair of runs, each tree first in every other one, and medians."""
+    """Print both trees' step times: pairs of runs, each tree first in every other one, and their medians."""
     trees, times = (first.resolve(), second.resolve()), (list[StepTime](), list[StepTime]())
-    for tree in trees:
-        step_time(tree)  # compiles
-    for k in range(pairs):
-        for at in (0, 1) if k % 2 == 0 else (1, 0):
-            times[at].append(step_time(trees[at]))
-        print(f"pair {k + 1}: " + ", ".join(_said(each[-1]) for each in times), flush=True)
-    middle = [StepTime(*(median(column) for column in zip(*each, strict=True))) for each in times]
-    for tree, each in zip(trees, middle, strict=True):
-        print(f"{tree}: {_said(each)}")
-    ratios = [second / first for first, second in zip(*middle, strict=True)]
-    print(f"second over first: median {ratios[0]:.3f}, p99 {ratios[1]:.3f}")
+    with ExitStack() as stack:
+        benches = [stack.enter_context(Bench(tree)) for tree in trees]
+        for bench in benches:
+            bench.run()  # compiles or loads what the others measure
+        for k in range(pairs):
+            for at in (0, 1) if k % 2 == 0 else (1, 0):
+                times[at].append(benches[at].run())
+            print(f"pair {k + 1}: " + ", ".join(_said(each[-1]) for each in times), flush=True)
+    for tree, each in zip(trees, times, strict=True):
+        print(f"{tree}: {_said(StepTime(*(median(column) for column in zip(*each, strict=True))))}")
+    ratios = [(b.median / a.median, b.p99 / a.p99) for a, b in zip(*times, strict=True)]
+    middle = [median(column) for column in zip(*ratios, strict=True)]
+    print(f"second over first, median of the pairs: median {middle[0]:.3f}, p99 {middle[1]:.3f}")
 
 
 def _said(time: StepTime) -> str:
