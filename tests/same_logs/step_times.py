@@ -58,7 +58,8 @@ class Bench:
     def run(self) -> StepTime:
         """Return what the benchmark says now."""
         asked, told = self._process.stdin, self._process.stdout
-        assert asked is not None and told is not None
+        assert asked is not None
+        assert told is not None
         print(file=asked, flush=True)
         rows = json.loads(told.readline())["steps"]
         timing = next(row for row in rows if row["call"] == CALL)["timing"]
