@@ -28,6 +28,8 @@ in_chromium = pytest.mark.skipif(
 STYLE = Path(__file__).resolve().parents[2] / "docs" / "site" / "style" / "figures"
 COURSE = Path(__file__).resolve().parents[2] / "course"
 GRAVITY = 9.81
+PHONE = {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True}
+PHONES = '<meta name="viewport" content="width=device-width, initial-scale=1">'
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +51,7 @@ class Figure:
         style = f"<style>:root {{{colours}}}</style>"
         style += f'<link rel="stylesheet" href="{(STYLE / "figures.css").as_uri()}">'
         page.write_text(
-            f'<!doctype html><html lang="{language}"><meta charset="utf-8">{style}{scripts}'
+            f'<!doctype html><html lang="{language}"><meta charset="utf-8">{PHONES}{style}{scripts}'
             f'<div data-figure="{name}"></div></html>'
         )
         self.tab: Tab = browser.open("about:blank")
@@ -71,12 +73,17 @@ class Figure:
     def sentence(self) -> str:
         return str(self.tab.ask("document.querySelector('[data-figure] p').textContent"))
 
-    def drag(self, number: int, *ways: tuple[float, float]) -> None:
-        """Take a handle and move it by steps [pixels]."""
+    def middle(self, number: int) -> tuple[float, float]:
+        """Return where a handle is [pixels]."""
         x, y = self.tab.ask(
             f"(() => {{ const b = document.querySelectorAll('.handle')[{number}].getBoundingClientRect();"
             "return [b.x + b.width / 2, b.y + b.height / 2]; })()"
         )
+        return x, y
+
+    def drag(self, number: int, *ways: tuple[float, float]) -> None:
+        """Take a handle and move it by steps [pixels]."""
+        x, y = self.middle(number)
         self._mouse("mousePressed", x, y)
         for dx, dy in ways:
             x, y = x + dx, y + dy
@@ -86,6 +93,14 @@ class Figure:
     def _mouse(self, kind: str, x: float, y: float) -> None:
         told = {"button": "left", "buttons": 1, "clickCount": 1}
         self.tab.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, **told)
+
+    def touch(self, x: float, y: float, dx: float, dy: float) -> None:
+        """Put a finger down and move it [pixels]."""
+        self.tab.call("Input.dispatchTouchEvent", type="touchStart", touchPoints=[{"x": x, "y": y}])
+        for share in (0.5, 1.0):
+            at = [{"x": x + share * dx, "y": y + share * dy}]
+            self.tab.call("Input.dispatchTouchEvent", type="touchMove", touchPoints=at)
+        self.tab.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
 
     def slide(self, number: int, value: float) -> None:
         self.tab.ask(
@@ -244,6 +259,22 @@ def test_keys_move_it_and_it_speaks_chinese(browser: Browser, tmp_path: Path, na
     figure.tab.ask("document.querySelector('.handle').focus()")
     figure.tab.press("ArrowLeft")
     assert figure.result != before
+
+
+@in_chromium
+@pytest.mark.parametrize("language", ["en", "zh-CN"])
+@pytest.mark.parametrize("name", sorted(FIGURES.values()))
+def test_a_finger_drags_it_on_a_phone(browser: Browser, tmp_path: Path, name: str, language: str) -> None:
+    figure = Figure(browser, tmp_path, name, language)
+    figure.tab.call("Emulation.setDeviceMetricsOverride", **PHONE)
+    figure.tab.call("Emulation.setTouchEmulationEnabled", enabled=True)
+    assert figure.tab.ask("document.documentElement.scrollWidth") <= PHONE["width"]
+    before, (x, y) = figure.result, figure.middle(0)
+    figure.touch(x + 12, y - 12, -20, 16)  # beside what is drawn, as fingers are
+    figure.tab.wait_for(f"document.querySelector('[data-figure]').dataset.result !== {json.dumps(before)!r}")
+    assert figure.result != before
+    assert figure.tab.ask("window.scrollY") == 0
+    figure.picture(f"phone-{name}-{language}")
 
 
 @pytest.mark.parametrize("language", ["en", "zh"])

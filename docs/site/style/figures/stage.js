@@ -9,6 +9,7 @@ window.Figures = { start: {} };
   const SPACE = "http://www.w3.org/2000/svg";
   const WIDTH = 520; // of a drawing [its own units]; the page scales it
   const STEP = 0.02; // of an arrow key, as a share of what is shown
+  const REACH = 32; // around a handle: on a phone 44 pixels across, what a finger needs
 
   function node(name, attributes, parent) {
     const made = document.createElementNS(SPACE, name);
@@ -26,6 +27,7 @@ window.Figures = { start: {} };
       const height = this.scale * (y[1] - y[0]);
       this.svg = node("svg", { viewBox: `0 0 ${WIDTH} ${height}`, role: "group" }, place);
       this.drawn = node("g", {}, this.svg);
+      this.reaches = node("g", {}, this.svg); // below all handles: each is taken by what is seen of it
       this.handles = node("g", {}, this.svg);
       this.controls = place.appendChild(document.createElement("div"));
       this.sentence = place.appendChild(document.createElement("p"));
@@ -73,6 +75,7 @@ window.Figures = { start: {} };
       const point = { at: kept(start) };
       const dot = node("circle", { r: 9, class: "handle", tabindex: 0, role: "button", "aria-label": name }, this.handles);
       node("title", {}, dot).textContent = name;
+      const reach = node("circle", { r: REACH, class: "reach" }, this.reaches);
       const move = (wish) => {
         const inside = [
           Math.min(Math.max(wish[0], this.x[0]), this.x[1]),
@@ -81,17 +84,19 @@ window.Figures = { start: {} };
         point.at = kept(inside);
         this.moved();
       };
-      dot.addEventListener("pointerdown", (event) => {
-        dot.setPointerCapture(event.pointerId);
-        dot.focus();
-        event.preventDefault();
-      });
-      dot.addEventListener("pointermove", (event) => {
-        if (!dot.hasPointerCapture(event.pointerId)) return;
-        const box = this.svg.getBoundingClientRect();
-        const wide = (this.x[1] - this.x[0]) / box.width;
-        move([this.x[0] + (event.clientX - box.left) * wide, this.y[1] - (event.clientY - box.top) * wide]);
-      });
+      for (const part of [dot, reach]) {
+        part.addEventListener("pointerdown", (event) => {
+          part.setPointerCapture(event.pointerId);
+          dot.focus();
+          event.preventDefault();
+        });
+        part.addEventListener("pointermove", (event) => {
+          if (!part.hasPointerCapture(event.pointerId)) return;
+          const box = this.svg.getBoundingClientRect();
+          const wide = (this.x[1] - this.x[0]) / box.width;
+          move([this.x[0] + (event.clientX - box.left) * wide, this.y[1] - (event.clientY - box.top) * wide]);
+        });
+      }
       const keys = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
       dot.addEventListener("keydown", (event) => {
         const way = keys[event.key];
@@ -102,8 +107,10 @@ window.Figures = { start: {} };
       });
       point.place = () => {
         const [cx, cy] = this.pixel(point.at);
-        dot.setAttribute("cx", cx);
-        dot.setAttribute("cy", cy);
+        for (const part of [dot, reach]) {
+          part.setAttribute("cx", cx);
+          part.setAttribute("cy", cy);
+        }
       };
       point.move = move;
       (this.points ??= []).push(point);

@@ -50,7 +50,7 @@ def _check_moments(answer: Answer, rng: np.random.Generator) -> None:
     joints = _joints(lengths, angles)
     arms = joints[-1] - joints[:-1]
     right = arms.real * force[1] - arms.imag * force[0]
-    near(answer.numbers((len(angles),), "torques", lengths, angles, force), right, "the torques")
+    near(answer.numbers((len(angles),), "torques", lengths, angles, force), right, "the vector of torques")
 
 
 def _rotation(rng: np.random.Generator) -> np.ndarray:
