@@ -1,7 +1,8 @@
 """Run pages of the course, and write what they give into both languages: `python -m docs.course 52.2.1`.
 
 Without names all pages are run. With `--check` nothing is written: exit code 1 and a line for every number,
-text or figure that is no longer what is kept.
+text or figure that is no longer what is kept. A page whose header names a module that is not installed (ECOS
+has no wheel for every Python) is left out, and said.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import argparse
 import sys
 from concurrent.futures import ProcessPoolExecutor
 
-from docs.course.pages import names, only, pair_faults
+from docs.course.pages import missing, names, only, pair_faults
 from docs.course.run import run
 
 
@@ -25,6 +26,10 @@ def main(words: list[str] | None = None) -> int:
         chosen = only(given.pages, names())
     except ValueError as error:
         parser.error(str(error))
+    lacks = {name: module for name in chosen if (module := missing(name))}
+    for name, module in lacks.items():
+        print(f"{name} is left out: {module} is not installed")
+    chosen = [name for name in chosen if name not in lacks]
     with ProcessPoolExecutor(given.jobs) as pool:
         faults = [line for lines in pool.map(_check if given.check else _keep, chosen) for line in lines]
     print(

@@ -11,6 +11,7 @@ from __future__ import annotations
 import html
 import json
 import re
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -55,6 +56,14 @@ def only(given: list[str], known: list[str]) -> list[str]:
 def source(name: str, language: str) -> Path:
     """Return the file of a page in a language."""
     return COURSE / language / f"{name}.md"
+
+
+def missing(name: str) -> str:
+    """Return a module that a page says it needs and that is not installed, or ""."""
+    head = source(name, "en").read_text(encoding="utf-8").split("\n---\n")[0]
+    wanted = re.search(r"^modules:\n((?:- \w+\n?)+)", head, re.MULTILINE)
+    modules = re.findall(r"\w+", wanted[1]) if wanted else []
+    return next((module for module in modules if find_spec(module) is None), "")
 
 
 def notebook(text: str) -> Any:
