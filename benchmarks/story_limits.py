@@ -184,6 +184,8 @@ def main() -> None:
         check_name("limit of a story", name, tuple(every))
     for name in given.cause:
         check_name("cause", name, [one.name for one in CAUSES])
+    if given.keep is not None:
+        given.keep.mkdir(parents=True, exist_ok=True)
     runs = list(told_runs(given.seeds, given.lawful, given.keep, given.cause, given.untold))
     found = []
     for name in given.names or every:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import ast
 import importlib
+import inspect
 import sys
 from collections.abc import Iterator
 from dataclasses import fields
@@ -60,8 +61,9 @@ def settings_classes() -> list[type[Any]]:
 
 
 def rows_of(owner: type[Any]) -> list[tuple[str, Any, SettingInfo]]:
-    """Return name, value and what else is known of the settings of a dataclass, without nested ones."""
-    known = ((one, info_of(owner, one.name)) for one in fields(owner))
+    """Return name, value and what else is known of a dataclass's own settings, without nested ones."""
+    own = inspect.get_annotations(owner)
+    known = ((one, info_of(owner, one.name)) for one in fields(owner) if one.name in own)
     return [(one.name, one.default, info) for one, info in known if info is not None and info.source]
 
 

@@ -64,8 +64,6 @@ class Rule:
 
 FRAMES = ("wrong frame", "reversed", "mirrored", "swapped feet", "wrong scale")
 """Symptoms of an audit that say what was done to the forces of a log."""
-EARLY = 0.3
-"""What is wrong with a log's frames is so from its first forces on [s]."""
 WRONG_FRAME = Rule(
     "wrong contact frame",
     world_causes.wrong_frame,
@@ -166,10 +164,10 @@ RULES = (
 )  # fmt: skip
 
 
-def frame_sign(symptoms: tuple[Finding, ...], begun: float) -> Sign | None:
+def frame_sign(symptoms: tuple[Finding, ...], begun: float, early: float) -> Sign | None:
     """Return what an audit's symptoms say of forces that are not what acted; None where they do not.
 
-    `begun` is when forces first act [s].
+    `begun` is when forces first act, `early` how long afterwards what is wrong shows [s].
     """
-    found = next((f for f in symptoms[:1] if f.name in FRAMES and f.start < begun + EARLY), None)
+    found = next((f for f in symptoms[:1] if f.name in FRAMES and f.start < begun + early), None)
     return None if found is None else Sign(found.start, found.contact, found.evidence, found.strength)

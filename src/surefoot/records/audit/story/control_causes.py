@@ -14,19 +14,10 @@ from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.story.world_causes import model_changes
 
-LAGS, COARSE = 0.07, 0.004
-"""Longest lag that is tried, two steps beyond the longest delay, and in which steps at first [s]."""
-FALLING = 0.25
-"""Time for which a robot that falls is still controlled [s]."""
+COARSE = 0.004
+"""In which steps delays are tried at first [s]."""
 ENOUGH = 1000
 """Rows from which a delay is told; of a longer log every so many."""
-MOST_OPEN, FAR_BETTER, MANY_LAGS = 0.5, 4.0, 30
-"""Share of the torques' changes that a delay may leave open, unless it explains so much more than needed over
-so many of its lengths."""
-FAINT = 1e-3
-"""Share of a joint's largest torque below which the digits of a log say nothing."""
-HELD, LEAST_TICKS = 0.95, 20
-"""Share of torques held for some rows that turn in chatter, of so many: by chance two of three turn."""
 
 
 def weak(s: Signals) -> Iterator[Sign]:
@@ -54,7 +45,7 @@ def _shortfall(s: Signals, k: int, name: str) -> Sign | None:
     asked, given, limit = s.asked[:, k], s.torques[:, k], float(s.torque_limits[k])
     within = np.clip(asked, -limit, limit)
     size = np.abs(within)
-    floor = FAINT * max(float(size.max(initial=0.0)), 1e-9)
+    floor = s.limits.faint * max(float(size.max(initial=0.0)), 1e-9)
     less = (size > floor) & (given * np.sign(within) < s.limits.weaker * size)
     row = s.first(less, s.rows(s.limits.brief))
     cut = min((time for time, _, _ in model_changes(s, "torque limit")), default=np.inf)
@@ -78,7 +69,7 @@ def _torque_loss(s: Signals, k: int, name: str, largest: float) -> Sign | None:
         return None
     carried = float(np.sqrt(np.mean(torque[:row] ** 2)))
     just_before = torque[max(row - s.rows(s.limits.brief), 0) : row]
-    if np.abs(just_before).max() < FAINT * carried:
+    if np.abs(just_before).max() < s.limits.faint * carried:
         return None  # it came to rest
     words = f"{name} carried {carried:.3g} N m and gives nothing any more"
     return Sign(float(s.time[row]), name, words, carried / max(largest, 1e-9))
@@ -125,14 +116,16 @@ def at_limit(s: Signals) -> BoolArray:
 def delay(s: Signals) -> Iterator[Sign]:
     """Yield that torques answer the state of some time ago: explained far better with a lag than without."""
     q, v = s.joint_state
-    longest = s.rows(LAGS)
+    longest = s.rows(s.limits.longest_lag)
     if not q.shape[1] or q.shape != s.torques.shape:
         return
     # what is asked for answers the state also while the motor is at its limit
     free = np.ones(q.shape, dtype=bool) if "torques_commanded" in s else ~at_limit(s)
     stands = np.asarray((s.loaded & s.ground_feet).any(axis=1))
     fell = fall(s)
-    last = np.inf if fell is None else fell.time + FALLING  # what lies on the ground is driven into its stops
+    last = (
+        np.inf if fell is None else fell.time + s.limits.still_led
+    )  # what lies on the ground is driven into its stops
     if len(q) < 4 * longest:
         return
     ticks = s.ticks[(s.ticks >= longest) & (s.time[s.ticks] < last)]
@@ -154,8 +147,8 @@ def delay(s: Signals) -> Iterator[Sign]:
     # a delay is one time: a little before and after it less is explained
     beside = min(left(best - 2 * step), left(best + 2 * step))
     gain = without - left(best)
-    long = min(last, s.time[-1]) - s.time[0] > MANY_LAGS * best * s.dt
-    told = left(best) < MOST_OPEN or (long and gain > FAR_BETTER * s.limits.lag_better)
+    long = min(last, s.time[-1]) - s.time[0] > s.limits.many_lags * best * s.dt
+    told = left(best) < s.limits.left_open or (long and gain > s.limits.far_better * s.limits.lag_better)
     sharp = left(best) < beside - 0.5 * s.limits.lag_better
     if sharp and told and best * s.dt >= s.limits.lag and gain > s.limits.lag_better:
         words = f"torques answer the state of {1e3 * best * s.dt:.0f} ms ago"
@@ -220,10 +213,10 @@ def chatter(s: Signals) -> Iterator[Sign]:
     largest = np.maximum(largest_torques(s), 1e-9)
     window = max(s.rows(0.5 * s.limits.window) // s.hold, 1)
     if s.hold > 1:  # what is held for long turns now and then by chance
-        window = max(window, LEAST_TICKS)
+        window = max(window, s.limits.least_ticks)
     turning = sliding_mean(flips.astype(np.float64), window)
     swing = np.sqrt(sliding_mean(step**2, window)) / largest
-    on = (turning > (s.limits.flips if s.hold == 1 else HELD)) & (swing > s.limits.swing)
+    on = (turning > (s.limits.flips if s.hold == 1 else s.limits.held_flips)) & (swing > s.limits.swing)
     for k, name in enumerate(s.joints):
         at = s.first(on[:, k], window)
         if at is not None:

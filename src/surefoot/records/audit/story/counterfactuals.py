@@ -18,12 +18,8 @@ from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.story.statics import least_friction
 from surefoot.records.audit.story.told import Event
 
-BEFORE, SAMPLES = 0.4, 6
-"""Time before a slip in which feet show how much friction they need [s], and how often it is looked at."""
-CALM = 0.5
-"""Time for which the capture point stays within the feet of a robot that has survived a push [s]."""
-GAVE_WAY = 0.02
-"""Share of a torque that is asked for, by which a limit has to be short of it."""
+SAMPLES = 6
+"""How often it is looked at how much friction feet need before a slip."""
 
 
 class Without(NamedTuple):
@@ -71,7 +67,7 @@ def without_ice(s: Signals, sign: Sign, failed: Event) -> Without | None:
 
 def _friction_before(s: Signals, row: int, feet: BoolArray) -> float | None:
     """Return the most friction that loaded feet needed in rows before a slip; None without any."""
-    first = max(row - s.rows(BEFORE), 0)
+    first = max(row - s.rows(s.limits.before_slip), 0)
     rows = np.flatnonzero(
         (s.loaded & feet)[first:row].any(axis=1) & ~(s.sliding & feet)[first:row].any(axis=1)
     )
@@ -144,7 +140,7 @@ def _calm(s: Signals, first: int, last: int, change: float) -> int | None:
     inside = np.nan_to_num(s.capture_outside, nan=1.0) <= 0.0
     slow = np.linalg.norm(s.com_velocity, axis=1) < 0.5 * change
     good = (inside & slow & (s.lean < 0.5 * s.limits.crooked))[first:last]
-    row = s.first(good, s.rows(CALM))
+    row = s.first(good, s.rows(s.limits.caught))
     return None if row is None else first + row
 
 
@@ -173,7 +169,7 @@ def without_limit(s: Signals, sign: Sign, failed: Event) -> Without | None:
         return None
     t = int((asked - given).argmax())
     short = float(asked[t] - given[t])
-    if short <= GAVE_WAY * float(asked[t]):
+    if short <= s.limits.gave_way * float(asked[t]):
         return None  # what is asked for may have been cut as well
     return Without(True, f"{asked[t]:.3g} N m were asked for, {given[t]:.3g} given")
 

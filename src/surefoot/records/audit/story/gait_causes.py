@@ -18,19 +18,6 @@ from surefoot.base.numerics.phases import joined_runs
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 
-REACH = 0.8
-"""Way of the body in a stance, over its height, from which the gait is too slow for the speed."""
-TIPS, ALONE = 1.6, 1.05
-"""Times sqrt(h / g) for which a body stands on two feet of four, or its only foot, before it tips."""
-HISTORY = 2
-"""Landings of a foot from which it is known where it belongs."""
-BESIDE, FOLLOWS = 0.1, 0.1
-"""Way beside that over the height, and what a change of velocity moves a foothold by [s]."""
-LATER = 1.2
-"""Time of a swing, or from one landing to the next, over the longest before."""
-SURE = 0.6
-"""Strength of what a gait itself says."""
-
 
 class Landing(NamedTuple):
     """A foot that lands: rows of its lift and landing, and the foothold and velocity (2,) [m, m/s].
@@ -111,14 +98,14 @@ def late_catch(s: Signals) -> Iterator[Sign]:
 
 def _beside(s: Signals, link: str, landed: list[Landing]) -> Sign | None:
     """Return the first landing of a foot that is far from where it landed before."""
-    for k in range(HISTORY, len(landed)):
+    for k in range(s.limits.landings, len(landed)):
         before = landed[max(0, k - 3) : k]
         middle = np.median([x.place for x in before], axis=0)
         spread = max(float(np.linalg.norm(x.place - middle)) for x in before)
         speed = np.median([x.velocity for x in before], axis=0)
         way = landed[k].place - middle
-        amiss = float(np.linalg.norm(way - _way_of_change(way, landed[k].velocity - speed)))
-        limit = BESIDE * s.height + spread
+        amiss = float(np.linalg.norm(way - _way_of_change(way, landed[k].velocity - speed, s.limits.follows)))
+        limit = s.limits.beside * s.height + spread
         if amiss > limit:
             words = (
                 f"{link} lands {100.0 * float(np.linalg.norm(way)):.0f} cm from where it has landed before "
@@ -129,12 +116,12 @@ def _beside(s: Signals, link: str, landed: list[Landing]) -> Sign | None:
     return None
 
 
-def _way_of_change(way: FloatArray, change: FloatArray) -> FloatArray:
+def _way_of_change(way: FloatArray, change: FloatArray, follows: float) -> FloatArray:
     """Return the part (2,) of a foothold's way that a change of velocity asks for: along it, and so far."""
     size = float(np.linalg.norm(change))
     if size <= 0.0:
         return np.zeros(2)
-    along = min(max(float(way @ change) / size, 0.0), FOLLOWS * size)
+    along = min(max(float(way @ change) / size, 0.0), follows * size)
     return np.asarray(along * change / size)
 
 
@@ -146,16 +133,16 @@ def _late(s: Signals, link: str, landed: list[Landing]) -> Sign | None:
     rows = np.array([x.row for x in landed])
     lifted = np.array([x.lifted for x in landed])
     since = np.concatenate([[0], rows[:-1]])
-    for k in range(HISTORY, len(landed)):
+    for k in range(s.limits.landings, len(landed)):
         for begun, known in ((lifted, lifted[:k] > 0), (since, since[:k] > 0)):
             before = (rows - begun)[:k][known]
-            if len(before) < HISTORY - 1:
+            if len(before) < s.limits.landings - 1:
                 continue
             due = int(begun[k] + np.median(before))
             lasts, late = int(rows[k] - begun[k]), (rows[k] - due) * s.dt
-            if lasts > LATER * before.max() and late > s.limits.brief:
+            if lasts > s.limits.later * before.max() and late > s.limits.brief:
                 words = f"{link} lands {1e3 * late:.0f} ms later than its steps before"
-                return Sign(float(s.time[due]), link, words, lasts / float(LATER * before.max()))
+                return Sign(float(s.time[due]), link, words, lasts / float(s.limits.later * before.max()))
     return None
 
 
@@ -164,7 +151,7 @@ def slow(s: Signals) -> Iterator[Sign]:
     row = left_the_feet(s)
     if next(tips(s), None) is None and row is not None and slow_for_speed(s, row):
         words = f"at {_speed(s, row):.2f} m/s the body outruns feet that stand for {_stance(s, row):.2f} s"
-        yield Sign(float(s.time[row]), "body", words, SURE)
+        yield Sign(float(s.time[row]), "body", words, s.limits.gait_strength)
 
 
 def tips(s: Signals) -> Iterator[Sign]:
@@ -173,15 +160,23 @@ def tips(s: Signals) -> Iterator[Sign]:
     if not walks(s) and len(down) < 3:
         return
     if len(down) == 1:
-        stands, most, longest = [next(iter(down.values()))], "one foot", ALONE * s.pendulum_time
+        stands, most, longest = (
+            [next(iter(down.values()))],
+            "one foot",
+            s.limits.tips_on_one * s.pendulum_time,
+        )
     else:
-        stands, most, longest = list(_on_two(list(down.values()))), "two feet", TIPS * s.pendulum_time
+        stands, most, longest = (
+            list(_on_two(list(down.values()))),
+            "two feet",
+            s.limits.tips_on_two * s.pendulum_time,
+        )
     rows = [row for on in stands if (row := s.first(on, s.rows(longest))) is not None]
     if not rows or s.rows(longest) < 2:
         return
     row = min(rows)
     words = f"it stands on {most} for more than {longest:.2f} s, in which it tips over"
-    yield Sign(float(s.time[row]), "body", words, SURE, shown=float(s.time[row]) + longest)
+    yield Sign(float(s.time[row]), "body", words, s.limits.gait_strength, shown=float(s.time[row]) + longest)
 
 
 def _on_two(down: list[BoolArray]) -> Iterator[BoolArray]:
@@ -197,7 +192,7 @@ def _on_two(down: list[BoolArray]) -> Iterator[BoolArray]:
 
 def slow_for_speed(s: Signals, row: int) -> bool:
     """Return whether the body goes farther in a stance, about a row, than legs reach."""
-    return walks(s) and _speed(s, row) * _stance(s, row) > REACH * max(s.height, 0.05)
+    return walks(s) and _speed(s, row) * _stance(s, row) > s.limits.stance_way * max(s.height, 0.05)
 
 
 def _speed(s: Signals, row: int) -> float:

@@ -18,25 +18,6 @@ from surefoot.records.audit.story.gait_causes import left_the_feet, walks
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 
-JUMPS = 4.0
-"""A jump of the torque that is asked for, over all before, which no motion explains."""
-CALM = 0.2
-"""Time from which it is known how torques change [s]; and how much less others jump."""
-AT_REST = 0.15
-"""First moments of a run in which a controller for another body shows itself [s]."""
-FEW = 3
-"""Driven joints of which all but one at rest say something of that one in the air, too."""
-CARRIED = 0.03
-"""Time within which something carries a robot that was started at rest [s]."""
-WITH_IT = 0.2
-"""Share of a jump from which another torque's of that moment belongs to it."""
-QUIET = 0.3
-"""Time for which a body that is led out of its feet has stood first [s]."""
-BEGUN = 0.08
-"""Share of what a drift comes to, from which it has begun."""
-SURE, DRIVEN = 0.7, 0.2
-"""Strength of a torque that nothing explains, and of a drift to one side."""
-
 
 def bias(s: Signals) -> Iterator[Sign]:
     """Yield a torque that nothing in the motion asks for: of one joint, in the first row or from a row on."""
@@ -63,14 +44,14 @@ def drift(s: Signals) -> Iterator[Sign]:
         return
     way = (s.com[row] - s.com[0]) @ s.level_axes.T
     words = f"it is driven {100.0 * float(np.linalg.norm(way)):.0f} cm to one side until it tips"
-    yield Sign(float(s.time[0]), s.base, words, DRIVEN)
+    yield Sign(float(s.time[0]), s.base, words, s.limits.drift_strength)
 
 
 def _stood_still(s: Signals, row: int) -> bool:
     """Return whether hardly any of the way to a row was gone for a while at first."""
     way = np.linalg.norm((s.com[: row + 1] - s.com[0]) @ s.level_axes.T, axis=1)
-    begun = int(np.flatnonzero(way <= BEGUN * way[-1])[-1])
-    return bool((begun + 1) * s.dt > QUIET)
+    begun = int(np.flatnonzero(way <= s.limits.drift_begun * way[-1])[-1])
+    return bool((begun + 1) * s.dt > s.limits.stood)
 
 
 def _creeps(s: Signals) -> Iterator[Sign]:
@@ -81,10 +62,10 @@ def _creeps(s: Signals) -> Iterator[Sign]:
     row = int(np.searchsorted(s.time, lost.time))
     way = (s.com - s.com[0]) @ s.level_axes.T
     for size in (s.lean, np.linalg.norm(way, axis=1)):
-        begun = int(np.flatnonzero(size[: row + 1] <= BEGUN * size[row])[-1])
-        if size[row] > 0.0 and (row - begun) * s.dt > QUIET:
+        begun = int(np.flatnonzero(size[: row + 1] <= s.limits.drift_begun * size[row])[-1])
+        if size[row] > 0.0 and (row - begun) * s.dt > s.limits.stood:
             words = f"it leans and drifts ever more from {s.time[begun]:.2f} s on, by torques of its own"
-            yield Sign(float(s.time[begun]), s.base, words, DRIVEN)
+            yield Sign(float(s.time[begun]), s.base, words, s.limits.drift_strength)
             return
 
 
@@ -98,8 +79,8 @@ def _first_torque(s: Signals) -> Sign | None:
     _, v = s.joint_state
     if s.torques.shape[1] < 2 or not v.shape[1] or np.abs(v[0]).max() > 1e-6:
         return None
-    in_the_air = s.floating and not s.loaded[: s.rows(CARRIED)].any()
-    if in_the_air and s.asked.any(axis=0).sum() < FEW:
+    in_the_air = s.floating and not s.loaded[: s.rows(s.limits.started_on)].any()
+    if in_the_air and s.asked.any(axis=0).sum() < s.limits.few_driven:
         return None  # a limb is swung to where it will land, one other rests
     share = np.abs(_shares(s)[0])
     k = int(share.argmax())
@@ -108,7 +89,7 @@ def _first_torque(s: Signals) -> Sign | None:
     if abs(s.asked[0, k]) < 1.2 * _weight_on(s)[k]:
         return None
     words = f"{s.joints[k]} is asked for {s.asked[0, k]:+.3g} N m where it was started, at rest; no other is"
-    return Sign(float(s.time[0]), s.joints[k], words, SURE)
+    return Sign(float(s.time[0]), s.joints[k], words, s.limits.jump_strength)
 
 
 def _jump(s: Signals, alone: bool) -> Sign | None:
@@ -126,9 +107,9 @@ def _jump(s: Signals, alone: bool) -> Sign | None:
         return None
     share = _shares(s)[ticks]
     jump = np.abs(np.diff(share, axis=0))
-    calm = s.time[ticks[1:]] - s.time[0] > CALM
+    calm = s.time[ticks[1:]] - s.time[0] > s.limits.known_after
     before = np.maximum.accumulate(jump, axis=0)[:-1]
-    odd = (jump[1:] > JUMPS * before) & (jump[1:] > s.limits.biased) & calm[1:, None]
+    odd = (jump[1:] > s.limits.jumps * before) & (jump[1:] > s.limits.biased) & calm[1:, None]
     # who falls silent has lost a motor, not a sensor
     odd &= np.abs(share[2:]) > 1e-9
     if s.floating:
@@ -138,7 +119,9 @@ def _jump(s: Signals, alone: bool) -> Sign | None:
     for t in np.flatnonzero(odd.any(axis=1)):
         which = np.flatnonzero(odd[t])
         # small torques that jump as never before are a controller's that switches, not one sensor's
-        with_it = (jump[t + 1] > JUMPS * before[t]) & (jump[t + 1] > WITH_IT * jump[t + 1].max())
+        with_it = (jump[t + 1] > s.limits.jumps * before[t]) & (
+            jump[t + 1] > s.limits.with_it * jump[t + 1].max()
+        )
         if (len(which) == 1 and with_it.sum() <= 1) != alone:
             continue
         if (jump[t + 1] > s.limits.biased).sum() > len(which):  # a landing or a blow, which all joints answer
@@ -153,7 +136,7 @@ def _jump(s: Signals, alone: bool) -> Sign | None:
             "more than ever before, while nothing moves otherwise"
         )
         where = s.joints[k] if alone else s.base
-        return Sign(float(s.time[ticks[t + 2]]), where, words, SURE)
+        return Sign(float(s.time[ticks[t + 2]]), where, words, s.limits.jump_strength)
     return None
 
 
@@ -198,11 +181,11 @@ def _contact_changes(s: Signals) -> BoolArray:
 def led_out(s: Signals) -> Iterator[Sign]:
     """Yield that a body that stood at first leads itself out of its feet, without a jump of its torques."""
     row = left_the_feet(s)
-    if row is None or walks(s, row) or not s.torques.shape[1] or s.time[row] - s.time[0] < QUIET:
+    if row is None or walks(s, row) or not s.torques.shape[1] or s.time[row] - s.time[0] < s.limits.stood:
         return
     if next(bias(s), None) is None and next(drift(s), None) is None:
         words = f"from {s.time[row]:.2f} s on its own torques lead it out over the edge of its feet"
-        yield Sign(float(s.time[row]), "body", words, DRIVEN)
+        yield Sign(float(s.time[row]), "body", words, s.limits.drift_strength)
 
 
 def pull_at_rest(s: Signals) -> FloatArray | None:
@@ -214,7 +197,7 @@ def pull_at_rest(s: Signals) -> FloatArray | None:
     if "momentum_rate" not in s or not on.any() or not s.torques.shape[1] or s.height <= 0.0:
         return None
     first = int(on.argmax())
-    begun = slice(first, first + s.rows(AT_REST))
+    begun = slice(first, first + s.rows(s.limits.at_rest))
     at_rest = float(np.linalg.norm(s.com_velocity[first])) < 0.05 and first * s.dt < 0.02
     firm = bool((np.where(s.loaded[begun], s.gaps[begun], 0.0) > -s.limits.depth).all())
     return s.numbers("momentum_rate")[begun, :3].mean(axis=0) / s.weight if at_rest and firm else None
@@ -228,17 +211,19 @@ def wrong_mass(s: Signals) -> Iterator[Sign]:
         yield Sign(float(s.time[0]), s.base, words, 1.0)
         return
     pull = pull_at_rest(s)
-    if pull is None or any(sign.time - s.time[0] < AT_REST for sign in chatter(s)):
+    if pull is None or any(sign.time - s.time[0] < s.limits.at_rest for sign in chatter(s)):
         return  # gains that chatter push as it happens
     up = float(pull @ s.up)
     along = (pull - up * s.up) @ s.level_axes.T
     if "command" in s:  # a body that is led somewhere is pushed there
-        led = s.level_axes @ s.heading[0].T @ s.numbers("command")[: s.rows(AT_REST), :2].mean(axis=0)
+        led = (
+            s.level_axes @ s.heading[0].T @ s.numbers("command")[: s.rows(s.limits.at_rest), :2].mean(axis=0)
+        )
         size = float(np.linalg.norm(led))
         if size > 0.0:
             along = along - max(float(along @ led) / size, 0.0) * led / size
     level = float(np.linalg.norm(along))
-    sags = up < 0.0 and level < s.limits.drives and at_limit(s)[: s.rows(AT_REST)].any()
+    sags = up < 0.0 and level < s.limits.drives and at_limit(s)[: s.rows(s.limits.at_rest)].any()
     if not sags and (abs(up) > s.limits.lifts or level > s.limits.drives):
         words = f"at rest its feet push it by {up:+.0%} of its weight upwards and {level:.0%} sideways"
         yield Sign(float(s.time[0]), s.base, words, abs(up) + level)

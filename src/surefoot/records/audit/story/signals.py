@@ -20,11 +20,6 @@ from surefoot.records.audit.story.hulls import outside_hulls
 from surefoot.records.audit.story.story_limits import STORY_LIMITS, StoryLimits
 from surefoot.records.log import Log
 
-CLOSING = 0.01
-"""Time before a touch in which two things close in on each other [s]."""
-OWN_PART = 0.25
-"""Share of that way that the contact's place goes, from which the robot went to what it touches."""
-
 
 class Signals:
     """The signals of one log.
@@ -91,11 +86,15 @@ class Signals:
         """
         if not self.bolted or "contact_velocities" not in self or not on.any() or row < 1:
             return True
-        first = max(row - self.rows(CLOSING), 0)
+        first = max(row - self.rows(self.limits.closing), 0)
         normals = self.normals[row][on]
         way = np.einsum("pi,pi->p", self.positions[row][on] - self.positions[first][on], normals)
         closed = self.numbers("contact_velocities")[first:row, on, 2].sum(axis=0) * self.dt
-        return bool(np.median(way) > OWN_PART * np.median(closed)) if np.median(closed) < 0.0 else True
+        return (
+            bool(np.median(way) > self.limits.own_part * np.median(closed))
+            if np.median(closed) < 0.0
+            else True
+        )
 
     @cached_property
     def bolted(self) -> bool:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from surefoot.base.settings import Settings, setting
+from surefoot.base.settings import setting
 from surefoot.records.audit.limit_sources import STORIES
+from surefoot.records.audit.story.cause_limits import CauseLimits
 
 
 @dataclass(frozen=True)
-class StoryLimits(Settings):
-    """Limits of events and causes; none of them decides whether a law holds."""
+class StoryLimits(CauseLimits):
+    """Limits of events and of causes, with those of single rules; none decides whether a law holds."""
 
     loaded: float = setting(
         0.02,

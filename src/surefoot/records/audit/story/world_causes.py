@@ -16,11 +16,6 @@ from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.symptoms.fits import rotation_between
 
-BEGUN = 0.1
-"""Share of an energy that has to be there before it is said to have begun."""
-CLOSE = 0.2
-"""What is this close to a bolted base, over the robot's reach, belongs to it."""
-
 
 def model_changes(s: Signals, kind: str) -> Iterator[tuple[float, str, float]]:
     """Yield when, whose and by which factor the loop changed numbers of one kind in its model."""
@@ -201,7 +196,7 @@ def returned_energy(s: Signals) -> Iterator[Sign]:
         k, lift = int(power[row].argmax()), float(given[row] / s.weight)
         first = max(row - s.rows(s.limits.lies), 0)
         so_far = np.cumsum(np.maximum(power[first : row + s.rows(s.limits.lies)], 0.0).sum(axis=1))
-        first += int((so_far > BEGUN * so_far[-1]).argmax())
+        first += int((so_far > s.limits.energy_begun * so_far[-1]).argmax())
         words = (
             f"it gives back {given[row]:.2g} J within {s.limits.lies:g} s, enough to lift all by "
             f"{1e3 * lift:.0f} mm, where rigid contact gives none"
@@ -242,7 +237,7 @@ def _hits_stand(s: Signals) -> Iterator[Sign]:
         return
     reach = float(np.linalg.norm(offsets[1:], axis=1).sum())
     away = np.linalg.norm((s.positions - offsets[0]) @ s.level_axes.T, axis=-1)
-    on = s.loaded & ~s.on_movable & (away < CLOSE * reach)
+    on = s.loaded & ~s.on_movable & (away < s.limits.near_base * reach)
     touched = s.texts("contact_with")
     for k in range(on.shape[1]):
         row = s.first(on[:, k], s.rows(0.25 * s.limits.brief))
