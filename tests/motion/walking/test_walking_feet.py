@@ -242,3 +242,12 @@ def test_the_table_of_phases(
         struck, false = 1 if named == "struck" else None, 1 if named == "false" else None
         feet.update(time, touching, CENTRES, struck=struck, false=false)
     assert FootPhase(int(feet.now.foot["phase"][1])) is phase
+
+
+def test_feet_that_are_lowered_keep_the_others_ground(feet: WalkedFeet) -> None:
+    before = feet.now.foot["ground"].copy()
+    soles = before - [0.0, 0.0, 0.03]
+    lower = feet.model.lowered(feet.now, UP, soles)
+    assert lower.foot["ground"][UP] == pytest.approx(soles[UP])
+    assert lower.foot["ground"][~UP] == pytest.approx(before[~UP])
+    assert feet.now.foot["ground"] == pytest.approx(before)
