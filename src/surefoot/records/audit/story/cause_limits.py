@@ -11,16 +11,11 @@ from surefoot.base.settings import Settings, setting
 class CauseLimits(Settings):
     """Limits of single rules, by the file of rules that reads them."""
 
-    frames_early: float = setting(
-        0.3, "s", "time from a log's first forces on in which wrong frames show", low=0.0
-    )
     longest_lag: float = setting(0.07, "s", "longest delay that is tried", low=0.0)
     still_led: float = setting(0.25, "s", "time for which a robot that falls is still controlled", low=0.0)
-    left_open: float = setting(0.5, "-", "share of the torques' changes that a delay may leave open", low=0.0)
-    far_better: float = setting(
-        4.0, "lag_better", "what a delay explains that leaves more open, where it is seen for long", low=0.0
+    left_open: float = setting(
+        0.75, "-", "share of the torques' changes that a delay may leave open", low=0.0
     )
-    many_lags: float = setting(30.0, "-", "that time over the delay", low=0.0)
     faint: float = setting(
         0.001, "-", "share of a joint's largest torque below which a log's digits say nothing", low=0.0
     )
@@ -55,7 +50,6 @@ class CauseLimits(Settings):
     later: float = setting(
         1.2, "-", "time of a swing over the longest before, from which it is late", low=0.0
     )
-    gait_strength: float = setting(0.6, "-", "strength of what a gait itself says", low=0.0)
     jumps: float = setting(
         4.0, "-", "jump of a torque asked for over all before, which no motion explains", low=0.0
     )
@@ -78,9 +72,6 @@ class CauseLimits(Settings):
     drift_begun: float = setting(0.08, "-", "share of what a drift comes to from which it has begun", low=0.0)
     jump_strength: float = setting(0.7, "-", "strength of a torque that nothing explains", low=0.0)
     drift_strength: float = setting(0.2, "-", "strength of a drift to one side", low=0.0)
-    closing: float = setting(
-        0.01, "s", "time before a touch in which two things close in on each other", low=0.0
-    )
     own_part: float = setting(
         0.25, "-", "share of that way that the contact's place goes, from which the robot went to it", low=0.0
     )

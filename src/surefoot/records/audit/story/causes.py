@@ -164,10 +164,7 @@ RULES = (
 )  # fmt: skip
 
 
-def frame_sign(symptoms: tuple[Finding, ...], begun: float, early: float) -> Sign | None:
-    """Return what an audit's symptoms say of forces that are not what acted; None where they do not.
-
-    `begun` is when forces first act, `early` how long afterwards what is wrong shows [s].
-    """
-    found = next((f for f in symptoms[:1] if f.name in FRAMES and f.start < begun + early), None)
+def frame_sign(symptoms: tuple[Finding, ...]) -> Sign | None:
+    """Return what an audit's symptoms say of forces that are not what acted; None where they do not."""
+    found = next((f for f in symptoms[:1] if f.name in FRAMES), None)
     return None if found is None else Sign(found.start, found.contact, found.evidence, found.strength)

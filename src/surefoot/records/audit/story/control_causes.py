@@ -147,9 +147,8 @@ def delay(s: Signals) -> Iterator[Sign]:
     # a delay is one time: a little before and after it less is explained
     beside = min(left(best - 2 * step), left(best + 2 * step))
     gain = without - left(best)
-    long = min(last, s.time[-1]) - s.time[0] > s.limits.many_lags * best * s.dt
-    told = left(best) < s.limits.left_open or (long and gain > s.limits.far_better * s.limits.lag_better)
     sharp = left(best) < beside - 0.5 * s.limits.lag_better
+    told = left(best) < s.limits.left_open
     if sharp and told and best * s.dt >= s.limits.lag and gain > s.limits.lag_better:
         words = f"torques answer the state of {1e3 * best * s.dt:.0f} ms ago"
         yield Sign(float(s.time[0]), "body", words, 1.0 - left(best) / without)

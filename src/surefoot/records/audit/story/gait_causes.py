@@ -76,7 +76,7 @@ def placement(s: Signals) -> Iterator[Sign]:
     """
     found: list[tuple[float, Sign]] = []
     for link, landed in landings(s).items():
-        for sign in (_late(s, link, landed), _beside(s, link, landed)):
+        for sign in (_late(s, link, landed), beside(s, link, landed)):
             if sign is not None:
                 found.append((sign.time if sign.since is None else sign.since, sign))
     first = min((begun for begun, _ in found), default=0.0)
@@ -96,7 +96,7 @@ def late_catch(s: Signals) -> Iterator[Sign]:
         yield Sign(float(s.time[t]), link, words, 0.3)
 
 
-def _beside(s: Signals, link: str, landed: list[Landing]) -> Sign | None:
+def beside(s: Signals, link: str, landed: list[Landing]) -> Sign | None:
     """Return the first landing of a foot that is far from where it landed before."""
     for k in range(s.limits.landings, len(landed)):
         before = landed[max(0, k - 3) : k]
@@ -151,7 +151,7 @@ def slow(s: Signals) -> Iterator[Sign]:
     row = left_the_feet(s)
     if next(tips(s), None) is None and row is not None and slow_for_speed(s, row):
         words = f"at {_speed(s, row):.2f} m/s the body outruns feet that stand for {_stance(s, row):.2f} s"
-        yield Sign(float(s.time[row]), "body", words, s.limits.gait_strength)
+        yield Sign(float(s.time[row]), "body", words, 1.0)
 
 
 def tips(s: Signals) -> Iterator[Sign]:
@@ -176,7 +176,7 @@ def tips(s: Signals) -> Iterator[Sign]:
         return
     row = min(rows)
     words = f"it stands on {most} for more than {longest:.2f} s, in which it tips over"
-    yield Sign(float(s.time[row]), "body", words, s.limits.gait_strength, shown=float(s.time[row]) + longest)
+    yield Sign(float(s.time[row]), "body", words, 1.0, shown=float(s.time[row]) + longest)
 
 
 def _on_two(down: list[BoolArray]) -> Iterator[BoolArray]:

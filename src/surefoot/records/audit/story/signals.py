@@ -86,7 +86,7 @@ class Signals:
         """
         if not self.bolted or "contact_velocities" not in self or not on.any() or row < 1:
             return True
-        first = max(row - self.rows(self.limits.closing), 0)
+        first = max(row - self.rows(self.limits.brief), 0)
         normals = self.normals[row][on]
         way = np.einsum("pi,pi->p", self.positions[row][on] - self.positions[first][on], normals)
         closed = self.numbers("contact_velocities")[first:row, on, 2].sum(axis=0) * self.dt
@@ -218,12 +218,6 @@ class Signals:
     def loaded(self) -> BoolArray:
         """(T, p) where contacts carry something."""
         return np.asarray(self.forces[..., 2] > self.limits.loaded * self.weight)
-
-    @cached_property
-    def begun(self) -> float:
-        """Time of the first force [s]."""
-        on = self.forces.any(axis=(1, 2))
-        return float(self.time[int(on.argmax())]) if on.any() else float(self.time[0])
 
     @cached_property
     def gaps(self) -> FloatArray:

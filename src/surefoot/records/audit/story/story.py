@@ -49,7 +49,7 @@ def story_of(
     failed = next(iter(happened), None)  # a fall says more than a slide, that more than a way
     if failed is None and task_failed:
         failed = Event("task failed", float(s.time[-1]), "body", task_failed)
-    frame = next(WRONG_FRAME.find(s), None) or frame_sign(symptoms, s.begun, s.limits.frames_early)
+    frame = next(WRONG_FRAME.find(s), None) or frame_sign(symptoms)
     if frame is not None and (failed is None or frame.time < failed.time):
         # what is read off such forces says nothing
         cause = _cause(WRONG_FRAME, frame)
