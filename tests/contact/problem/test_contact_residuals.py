@@ -10,6 +10,7 @@ from scipy.optimize import minimize
 
 import surefoot as sf
 from surefoot.contact.cones.polyhedral import FrictionPyramid
+from surefoot.contact.problem.residuals import residuals
 
 
 def nearest(x: np.ndarray, mu: float, low: float, high: float, rows: np.ndarray | None) -> np.ndarray:
@@ -153,3 +154,21 @@ def test_energy_gap_is_that_of_the_convex_program() -> None:
     assert sf.residuals(problem, force).energy_gap == pytest.approx(max(gaps) / energy, rel=1e-5)
     assert sf.residuals(problem.replace(law="coulomb"), force).energy_gap == 0.0
     assert sf.solve(problem, tol=1e-10).residuals.energy_gap < 1e-10
+
+
+@pytest.mark.parametrize("bound", [1.0, 1e-3, 1e-150, 1e-300])
+def test_friction_on_a_contact_that_nothing_moves_is_judged_at_any_bound(bound: float) -> None:
+    """A bound of 1e-300 N is reached like any other, and what slides there is opposed: squares vanish."""
+    G = np.zeros((6, 6))
+    G[:3, :3] = np.eye(3)
+    slides = np.array([-0.3, 0.4, -0.2])
+    problem = sf.ContactProblem(
+        G, np.concatenate([[0.0, 0.0, -1.0], slides]), 0.5, normal_max=np.array([np.inf, bound])
+    )
+    lawful = np.array([[0.0, 0.0, 1.0], [0.3 * bound, -0.4 * bound, bound]])
+    assert residuals(problem, lawful).velocity_error < 1e-14
+    for wrong in ([0.0, 0.0, bound], [-0.3 * bound, 0.4 * bound, bound], [0.4 * bound, 0.3 * bound, bound]):
+        assert residuals(problem, np.array([[0.0, 0.0, 1.0], wrong])).velocity_error > 0.1
+    found = sf.solve(problem)
+    assert found.solved
+    assert found.forces / [[1.0], [bound]] == pytest.approx(lawful / [[1.0], [bound]], abs=1e-7)

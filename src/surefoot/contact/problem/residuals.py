@@ -135,10 +135,13 @@ def _contact_error(
     # solution: there is no speed to compare with
     if s == 0.0:
         return 0.0 if x == 0.0 and y == 0.0 and z == max(low, 0.0) else np.inf
-    # then ε is the distance of -(u + Γ) to the normal cone at λ: a λ large beside s stands for it
+    # then ε is the distance of -(u + Γ) to the normal cone at λ: a λ large beside s stands for it, also for a
+    # bound of 1e-300 N, at which friction may be as far from maximum dissipation as at any other
     if w == 0.0:
-        size = math.sqrt(x * x + y * y + z * z)
-        w = WEIGHTLESS * s / size if size > 0.0 else 1.0
+        length = _size(x, y, z)
+        if length > 0.0:
+            x, y, z, low, high = x / length, y / length, z / length, low / length, high / length
+        w = WEIGHTLESS * s if length > 0.0 else 1.0
     # in units of s, so that nothing under- or overflows
     unit = 1.0 / s
     shifted, size = uz + shift, w * unit

@@ -19,6 +19,8 @@ DOUBT = 4.0 * 2.220446049250313e-16
 """Times Σ_j ||G_kj|| ||λ_j||: what double precision leaves open of the velocity of contact k."""
 WEIGHTLESS = 16.0
 """Where G_kk = 0, the weight in units of s_k / ||λ_k||: large, so close to the normal cone's distance."""
+VANISHING = 1e-300
+"""Forces below this [N] have no digits that could be judged."""
 Numbers = tuple[float, float, float, float, float, float, float]
 """The fields of `residuals.Residuals`."""
 
@@ -63,6 +65,8 @@ def _measure(
         lawful = size == abs(z) and z == low
         return (0.0 if lawful else math.inf), 0.0, violation, 0.0, 0.0, 0.0
     if w == 0.0:
+        if 0.0 < size < VANISHING:
+            return math.inf, 0.0, violation, 0.0, 0.0, 0.0
         w = WEIGHTLESS * s / size if size > 0.0 else 1.0
     # in units of s, so that no square vanishes
     error = contact.residual(force * (w / s), u / s, 1.0, share, scale=w / s)

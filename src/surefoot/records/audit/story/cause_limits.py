@@ -16,24 +16,15 @@ class CauseLimits(Settings):
     left_open: float = setting(
         0.75, "-", "share of the torques' changes that a delay may leave open", low=0.0
     )
-    faint: float = setting(
-        0.001, "-", "share of a joint's largest torque below which a log's digits say nothing", low=0.0
-    )
     held_flips: float = setting(
         0.95, "-", "share of rows in which a held torque turns in chatter: by chance two of three do", low=0.0
     )
     least_ticks: int = setting(20, "-", "torques that are looked at for that", low=1)
-    before_slip: float = setting(
-        0.4, "s", "time before a slip in which feet show how much friction they need", low=0.0
-    )
     caught: float = setting(
         0.5,
         "s",
         "time for which the capture point of a robot that survived a push stays within its feet",
         low=0.0,
-    )
-    gave_way: float = setting(
-        0.02, "-", "share of a torque asked for by which its limit is short of it", low=0.0
     )
     stance_way: float = setting(
         0.8, "h", "way of the body in a stance from which a gait is too slow for the speed", low=0.0
@@ -44,7 +35,7 @@ class CauseLimits(Settings):
     tips_on_one: float = setting(
         1.05, "sqrt(h/g)", "time on its only foot in which a body tips over", low=0.0
     )
-    landings: int = setting(2, "-", "landings of a foot from which it is known where it belongs", low=1)
+    landings: int = setting(2, "-", "landings of a foot from which it is known where it belongs", low=2)
     beside: float = setting(0.1, "h", "way of a landing beside that, from which it is amiss", low=0.0)
     follows: float = setting(0.1, "s", "what a change of velocity moves a foothold by", low=0.0)
     later: float = setting(

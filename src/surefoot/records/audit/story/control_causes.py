@@ -14,6 +14,8 @@ from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.story.world_causes import model_changes
 
+FAINT = 1e-3
+"""Share of a joint's largest torque below which the digits of a log say nothing."""
 COARSE = 0.004
 """In which steps delays are tried at first [s]."""
 ENOUGH = 1000
@@ -45,7 +47,7 @@ def _shortfall(s: Signals, k: int, name: str) -> Sign | None:
     asked, given, limit = s.asked[:, k], s.torques[:, k], float(s.torque_limits[k])
     within = np.clip(asked, -limit, limit)
     size = np.abs(within)
-    floor = s.limits.faint * max(float(size.max(initial=0.0)), 1e-9)
+    floor = FAINT * max(float(size.max(initial=0.0)), 1e-9)
     less = (size > floor) & (given * np.sign(within) < s.limits.weaker * size)
     row = s.first(less, s.rows(s.limits.brief))
     cut = min((time for time, _, _ in model_changes(s, "torque limit")), default=np.inf)
@@ -69,7 +71,7 @@ def _torque_loss(s: Signals, k: int, name: str, largest: float) -> Sign | None:
         return None
     carried = float(np.sqrt(np.mean(torque[:row] ** 2)))
     just_before = torque[max(row - s.rows(s.limits.brief), 0) : row]
-    if np.abs(just_before).max() < s.limits.faint * carried:
+    if np.abs(just_before).max() < FAINT * carried:
         return None  # it came to rest
     words = f"{name} carried {carried:.3g} N m and gives nothing any more"
     return Sign(float(s.time[row]), name, words, carried / max(largest, 1e-9))

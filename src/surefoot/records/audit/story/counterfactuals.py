@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.records.audit.story.control_causes import FAINT
 from surefoot.records.audit.story.gait_causes import walks
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
@@ -67,7 +68,7 @@ def without_ice(s: Signals, sign: Sign, failed: Event) -> Without | None:
 
 def _friction_before(s: Signals, row: int, feet: BoolArray) -> float | None:
     """Return the most friction that loaded feet needed in rows before a slip; None without any."""
-    first = max(row - s.rows(s.limits.before_slip), 0)
+    first = max(row - s.rows(s.limits.window), 0)
     rows = np.flatnonzero(
         (s.loaded & feet)[first:row].any(axis=1) & ~(s.sliding & feet)[first:row].any(axis=1)
     )
@@ -169,7 +170,7 @@ def without_limit(s: Signals, sign: Sign, failed: Event) -> Without | None:
         return None
     t = int((asked - given).argmax())
     short = float(asked[t] - given[t])
-    if short <= s.limits.gave_way * float(asked[t]):
+    if short <= FAINT * float(asked[t]):
         return None  # what is asked for may have been cut as well
     return Without(True, f"{asked[t]:.3g} N m were asked for, {given[t]:.3g} given")
 
