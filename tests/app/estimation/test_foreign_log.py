@@ -1,4 +1,4 @@
-"""What a log of another robot's maker means: units, order, speeds and contacts, by numbers worked out here."""
+"""What a log of another maker means for a robot: units, order, speeds and contacts."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def read(log: Log, contact: BoolArray | None = None, names: Any = FEET) -> Forei
 @pytest.mark.parametrize("name", ["imu_angular_velocity", "imu_acceleration"])
 def test_a_log_without_an_imu_s_channel_is_refused(name: str) -> None:
     with pytest.raises(ProblemError, match=f"needs the channel {name}; the log has time, "):
-        read(log_of(turned(), **{name: None}))
+        read(log_of(turned(), None, 1.0 / RATE, **{name: None}))
 
 
 def test_a_log_without_joints_is_refused() -> None:
