@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 WRONG: dict[str, dict[str, tuple[str, str]]] = {
     "52.1.1": {
         "a box, √2 on its diagonal": ("float(np.linalg.norm(force - pressing * normal))", "float(np.abs(force - pressing * normal).max())"),
@@ -172,3 +174,147 @@ WRONG: dict[str, dict[str, tuple[str, str]]] = {
     },
 }  # fmt: skip
 """Exercise to its wrong answers: a name, and what of the solution is written how instead."""
+
+
+class Narrow(NamedTuple):
+    """A wrong answer: what of the solution is written how instead, and what is said by which property."""
+
+    number: str
+    property: str
+    old: str
+    new: str
+    words: str
+
+
+_CORNERS = "    return reach * np.column_stack"
+_PYRAMID = "    return np.column_stack([np.cos(middle), np.sin(middle), np.full(k, -distance)])\n"
+_SOLE = "    return np.array(rows)\n"
+_VALUE = "    return mu * (force[2] + gripper) - np.sqrt(force[0] ** 2 + force[1] ** 2 + reg)\n"
+
+PYRAMIDS = (
+    Narrow("52.2.1", "corners of the inner", _CORNERS, "    reach = reach * 1.0001\n" + _CORNERS, "the corners' distance"),
+    Narrow("52.2.1", "corners of the inner", _CORNERS, "    angle = 2.0 * np.pi * (np.arange(k) / k) ** 1.1\n" + _CORNERS, "the sides' distance"),
+    Narrow("52.2.1", "corners of the inner", "angle = 2.0 * np.pi * np.arange(k) / k", "angle = 4.0 * np.pi * np.arange(k) / k", "the area is"),
+    Narrow("52.2.1", "corners of the inner", _CORNERS, "    angle = 0.0 * angle\n" + _CORNERS, "corners coincide"),
+    Narrow("52.2.1", "corners of the inner", _CORNERS, "    angle = np.where(angle == angle[1], 0.0, angle)\n" + _CORNERS, "corners coincide"),
+    Narrow("52.2.1", "sides of the outer", _CORNERS, "    reach = reach * 1.0001\n" + _CORNERS, "the sides' distance from the middle"),
+    Narrow("52.2.1", "sides of the outer", _CORNERS, "    if k % 2:\n        angle, reach = 2.0 * angle, mu / np.cos(2.0 * np.pi / k)\n" + _CORNERS, "the area is"),
+    Narrow("52.2.1", "rows and corners", _PYRAMID, "    distance *= 0.999\n" + _PYRAMID, "a corner is outside by"),
+    Narrow("52.2.1", "rows and corners", _PYRAMID, "    distance *= 1.001\n" + _PYRAMID, "sides, expected two each"),
+    Narrow("52.2.1", "rows and corners", _PYRAMID, "    return np.zeros((k, 3))\n", "sides, expected two each"),
+    Narrow("52.2.1", "inner forces are in the cone", "else mu\n    return", "else 0.9 * mu\n    return", "the outer pyramid refuses"),
+    Narrow("52.2.1", "inner forces are in the cone", "mu * np.cos(np.pi / k) if", "1.01 * mu if", "the inner pyramid admits"),
+    Narrow("52.2.1", "the errors are those", "np.cos(np.pi / k) - 1.0,", "1.0 - np.cos(np.pi / k),", "(worst direction, area)"),
+    Narrow("52.2.1", "the errors are those", "k * np.tan(np.pi / k) / np.pi - 1.0", "1.0 - k * np.tan(np.pi / k) / np.pi", "(worst direction, area)"),
+)  # fmt: skip
+
+SOLES = (
+    Narrow("52.2.2", "whatever four corners", _SOLE, "    return np.array(rows)[:, :5]\n", "expected (m, 6)"),
+    Narrow("52.2.2", "whatever four corners", _SOLE, "    return np.array(rows).ravel()\n", "expected (m, 6)"),
+    Narrow("52.2.2", "whatever four corners", _SOLE, "    return np.array(rows) + np.nan\n", "it is not finite"),
+    *(
+        Narrow("52.2.2", "whatever four corners", _SOLE, f"    rows = np.array(rows, dtype=float)\n    rows[(rows[:, {k}] * {sign} > 0.0) & (np.abs(rows[:, 5]) < 1e-9), 2] *= 0.7\n    return rows\n", "refuses")
+        for k in (0, 1, 3, 4) for sign in (1, -1)
+    ),
+    *(
+        Narrow("52.2.2", "whatever four corners", _SOLE, f"    rows = np.array(rows, dtype=float)\n    rows[rows[:, 5] * {sign} > 0.0, 2] *= 0.7\n    return rows\n", "refuses")
+        for sign in (1, -1)
+    ),
+    Narrow("52.2.2", "whatever four corners", _SOLE, "    rows.append([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])\n" + _SOLE, "refuses"),
+    *(
+        Narrow("52.2.2", "what obeys the rows", _SOLE, f"    rows = np.array(rows, dtype=float)\n    return rows[~((rows[:, {k}] * {sign} > 0.0) & (np.abs(rows[:, 5]) < 1e-9))]\n", "which no corner forces give")
+        for k in (0, 1, 3, 4) for sign in (1, -1)
+    ),
+    *(
+        Narrow("52.2.2", "what obeys the rows", _SOLE, f"    rows = np.array(rows, dtype=float)\n    return rows[~(rows[:, 5] * {sign} > 0.0)]\n", "which no corner forces give")
+        for sign in (1, -1)
+    ),
+    Narrow("52.2.2", "the centre of pressure", "/ wrench[2]\n", "/ wrench[2] * [1.0, 1.001]\n", "the centre is"),
+    Narrow("52.2.2", "the centre of pressure", "/ wrench[2]\n", "/ wrench[2] * [1.001, 1.0]\n", "the centre is"),
+    Narrow("52.2.2", "a row is an equality", "return np.abs(rows @ wrench) <= 1e-6 * abs(wrench[2])", "return (np.abs(rows @ wrench) <= 1e-6 * abs(wrench[2]))[1:]", "it has the shape"),
+    Narrow("52.2.2", "a row is an equality", "<= 1e-6 *", "<= 1e-1 *", "it says"),
+    Narrow("52.2.2", "a row is an equality", _SOLE, "    rows = np.array(rows, dtype=float)\n    return rows[~((rows[:, 4] != 0.0) & (rows[:, 5] == 0.0))]\n", "on the sole's edge alone"),
+    Narrow("52.2.2", "a row is an equality", _SOLE, "    rows.append([0.0] * 6)\n" + _SOLE, "on the sole's edge alone"),
+)  # fmt: skip
+
+CONES = (
+    Narrow("52.2.3", "the number is zero on", _VALUE, "    return 0.9 * (mu * (force[2] + gripper) - np.sqrt(force[0] ** 2 + force[1] ** 2 + reg))\n", "the number above it"),
+    Narrow("52.2.3", "the number is zero on", "mu * (force[2] + gripper) -", "0.01 + mu * (force[2] + gripper) -", "the number on the surface"),
+    Narrow("52.2.3", "without gripper", "return mu * (force[2] + gripper) -", "return 0.01 * mu * force[2] + mu * (force[2] + gripper) -", "for a force that slips"),
+    Narrow("52.2.3", "first and second", "[-force[0] / root, -force[1] / root, mu]", "[-force[0] / root, -force[1] / root, 1.01 * mu]", "the gradient"),
+    Narrow("52.2.3", "first and second", "[-force[0] / root, -force[1] / root, mu]", "[-force[0] / root, -1.02 * force[1] / root, mu]", "the gradient"),
+    Narrow("52.2.3", "first and second", "    return out\n", "    return 1.01 * out\n", "the hessian"),
+)  # fmt: skip
+
+_FB = "    return a + b - np.sqrt(a * a + b * b + eps * eps)\n"
+_GRADIENT = "    if root == 0.0:\n        return 1.0 - np.sqrt(0.5), 1.0 - np.sqrt(0.5)\n"
+_BROKEN = ("a > 0 and b > 0", "a < 0 and b == 0", "a == 0 and b < 0", "a < 0 and b > 0", "a > 0 and b < 0")
+
+FISCHER = (
+    Narrow("52.3.1", "it is zero on the hyperbola", _FB, "    return 1e-4 * eps + a + b - np.sqrt(a * a + b * b + eps * eps)\n", "it is not zero on the hyperbola"),
+    Narrow("52.3.1", "it is zero on the hyperbola", "eps * eps / (2.0 * a)", "1.001 * eps * eps / (2.0 * a)", "b is"),
+    Narrow("52.3.1", "it is zero on the hyperbola", _FB, "    return np.sqrt(a * a + b * b + eps * eps) - a - b\n", "below and above"),
+    Narrow("52.3.1", "it is zero on the hyperbola", _FB, "    return abs(a + b - np.sqrt(a * a + b * b + eps * eps))\n", "below and above"),
+    Narrow("52.3.1", "it is zero on the hyperbola", _FB, "    return min(0.0, a + b - np.sqrt(a * a + b * b + eps * eps))\n", "below and above"),
+    Narrow("52.3.1", "with eps = 0", _FB, "    if eps == 0.0:\n        return 1e-3 + abs(a * b)\n" + _FB, "it is not zero on the law"),
+    *(
+        Narrow("52.3.1", "with eps = 0", _FB, f"    if eps == 0.0 and {broken}:\n        return 0.0\n" + _FB, "although the law is broken")
+        for broken in _BROKEN
+    ),
+    Narrow("52.3.1", "the gradient agrees", "1.0 - a / root, 1.0 - b / root", "1.0 - a / root, 1.01 - b / root", "the gradient"),
+    Narrow("52.3.1", "the gradient agrees", "1.0 - a / root, 1.0 - b / root", "1.01 - a / root, 1.0 - b / root", "the gradient"),
+    Narrow("52.3.1", "the gradient is a number", _GRADIENT, "    if root == 0.0:\n        return 0.2, 0.2\n", "no limit of gradients"),
+    Narrow("52.3.1", "the gradient is a number", _GRADIENT, "    if root == 0.0:\n        return 1.8, 1.8\n", "no limit of gradients"),
+    Narrow("52.3.1", "the gradient is a number", _GRADIENT, "    if root == 0.0:\n        return 2.1, 1.0\n", "no limit of gradients"),
+)  # fmt: skip
+
+_OUT = "    return tuple(np.array(out).T)\n"
+DROP = (
+    Narrow("52.3.2", "each step obeys", "free = v - 9.81 * dt", "free = v - 9.8 * dt", "no dynamics hold"),
+    Narrow("52.3.2", "each step obeys", _OUT, "    z, v, impulse = np.array(out).T\n    return z, v, 1.001 * impulse\n", "no dynamics hold"),
+    Narrow("52.3.2", "each step obeys", _OUT, "    z, v, impulse = np.array(out).T\n    return z + 1e-5, v, impulse\n", "heights and velocities disagree"),
+    Narrow("52.3.2", "no penetration", "-mass * (z / dt + free)", "-mass * (z / dt + free) - 0.02 * mass", "deep at the end of a step"),
+    Narrow("52.3.2", "no penetration", "max(0.0, -mass * (z / dt + free))", "-mass * (z / dt + free) if z < 0.5 * height else 0.0", "the ground pulls"),
+    Narrow("52.3.2", "no penetration", _OUT, "    z, v, impulse = np.array(out).T\n    return z + 0.01, v, impulse\n", "gap times impulse over mass"),
+    Narrow("52.3.2", "it falls", _OUT, "    z, v, impulse = np.array(out).T\n    return z + 1e-3, v, impulse\n", "it never comes down"),
+    Narrow("52.3.2", "it falls", "free = v - 9.81 * dt", "free = v - 7.0 * dt", "it touches down after"),
+    Narrow("52.3.2", "it falls", "free = v - 9.81 * dt", "free = v - 20.0 * dt", "it touches down after"),
+    Narrow("52.3.2", "it falls", _OUT, "    z, v, impulse = np.array(out).T\n    return z, v, 1.01 * impulse\n", "the impulses at the end"),
+    Narrow("52.3.2", "it falls", _OUT, "    z, v, impulse = np.array(out).T\n    return z, v + 0.01, impulse\n", "at the end it moves"),
+    Narrow("52.3.2", "it falls", _OUT, "    z, v, impulse = np.array(out).T\n    return z, v - 0.01, impulse\n", "at the end it moves"),
+)  # fmt: skip
+
+_BAND = "return max(0.0, -a / c), barrier(a, c, eps)"
+_BARRIER = "    return 2.0 * kappa / (a + root) if a > 0.0 else (root - a) / (2.0 * c)\n"
+_HALVES = "    return out\n"
+SOFTENINGS = (
+    *(
+        Narrow("52.3.3", "the band's two ends", _BAND, f"return {least}, {most}", words)
+        for least, most, words in (
+            ("max(0.0, -a / c) - 1e-3", "barrier(a, c, eps)", "is not admitted"),
+            ("max(0.0, -a / c)", "1.001 * barrier(a, c, eps) + 1e-4", "is not admitted"),
+            ("min(max(0.0, -a / c) + 2e-3, barrier(a, c, eps))", "barrier(a, c, eps)", "is admitted, too"),
+            ("max(0.0, -a / c)", "max(max(0.0, -a / c), 0.99 * barrier(a, c, eps) - 1e-5)", "is admitted, too"),
+        )
+    ),
+    Narrow("52.3.3", "no other force", _BARRIER, _BARRIER.replace("return", "return 1.02 * (").rstrip("\n") + ")\n", "the cost is lower at"),
+    Narrow("52.3.3", "no other force", _BARRIER, _BARRIER.replace("return", "return 0.98 * (").rstrip("\n") + ")\n", "the cost is lower at"),
+    Narrow("52.3.3", "no other force", _BARRIER, "    return -1.0\n", "wants more than zero"),
+    Narrow("52.3.3", "no other force", _BARRIER, "    return 0.0\n", "wants more than zero"),
+    Narrow("52.3.3", "Fischer-Burmeister's", "eps * eps / 2.0)", "1.001 * eps * eps / 2.0)", "of eps²"),
+    Narrow("52.3.3", "Fischer-Burmeister's", "eps * eps / 2.0)", "0.999 * eps * eps / 2.0)", "of eps²"),
+    Narrow("52.3.3", "Fischer-Burmeister's", "return barrier(a, c, eps * eps / 2.0)", "return max(0.0, -a / c) - 1e-3", "are not both positive"),
+    Narrow("52.3.3", "Fischer-Burmeister's", "return barrier(a, c, eps * eps / 2.0)", "return -eps * eps / 2.0 if a > 0.0 else barrier(a, c, eps * eps / 2.0)", "are not both positive"),
+    Narrow("52.3.3", "all three come", _BARRIER, "    return 2e-5 + (2.0 * kappa / (a + root) if a > 0.0 else (root - a) / (2.0 * c))\n", "the law's"),
+    Narrow("52.3.3", "all three come", "return barrier(a, c, eps * eps / 2.0)", "return barrier(a, c, eps * eps / 2.0) - 2e-5", "the force is"),
+    Narrow("52.3.3", "all three come", _BAND, _BAND + " + 2e-5", "the band is"),
+    Narrow("52.3.3", "all three come", _BAND, "return max(0.0, -a / c) - 2e-5, barrier(a, c, eps)", "the band is"),
+    Narrow("52.3.3", "the continuation", _HALVES, "    return np.array(out)[:, None]\n", "expected a list of numbers"),
+    Narrow("52.3.3", "the continuation", _HALVES, "    return []\n", "expected a list of numbers"),
+    Narrow("52.3.3", "the continuation", "out = [start]", "out = [0.9 * start]", "the first is"),
+    Narrow("52.3.3", "the continuation", "out[-1] / 2.0", "out[-1] / 2.1", "the ratio of one to the last"),
+    Narrow("52.3.3", "the continuation", _HALVES, "    return out[:-1]\n", "it stops at"),
+    Narrow("52.3.3", "the continuation", _HALVES, "    return [*out, out[-1] / 2.0]\n", "it stops at"),
+)  # fmt: skip
+
+NARROW = (*PYRAMIDS, *SOLES, *CONES, *FISCHER, *DROP, *SOFTENINGS)
