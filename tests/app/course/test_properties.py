@@ -8,7 +8,7 @@ from surefoot.app.course.answer import Answer
 from surefoot.app.course.child import find_failure
 from surefoot.app.course.exercises import solution_text
 from surefoot.app.course.properties import properties_of
-from tests.app.course.wrong_answers import NARROW, Narrow
+from tests.app.course.narrow_answers import NARROW, Narrow
 from tests.app.course.test_exercises import functions
 
 
