@@ -265,4 +265,88 @@ FLIGHTS = (
     Narrow("52.6.3", "four legs", _YAW, "    if np.ptp(np.abs(speeds)) < 1e-12:\n        return 0.0\n" + _YAW, "a pace has no yaw momentum"),
 )  # fmt: skip
 
-NARROW = (*PYRAMIDS, *SOLES, *CONES, *FISCHER, *DROP, *SOFTENINGS, *LAWS, *JACOBIANS, *MOMENTA, *FLIGHTS)
+_FORCES = "    return scale * found.x.reshape(n, 3)\n"
+_FIRST = "    n, m, k = len(q), len(b), len(d)\n"
+_WORST = "return max(np.abs(A @ x - b).max(initial=0.0), (C @ x - d).max(initial=0.0))"
+SHARES = (
+    Narrow("52.7.1", "use is one", "    return np.hypot(", "    return 1.001 * np.hypot(", "the use is"),
+    Narrow("52.7.1", "use is one", "np.argmax(use(forces, mu))", "np.argmin(use(forces, mu))", "the shares are"),
+    Narrow("52.7.1", "the forces give", _FORCES, "    return 1.001 * scale * found.x.reshape(n, 3)\n", "their wrench"),
+    Narrow("52.7.1", "the forces give", _FORCES, "    found.x[2::3] += np.array([1e-2, -1e-2, 0.0, 0.0])\n" + _FORCES, "their wrench"),
+    Narrow("52.7.1", "each force is within", "-mu * np.cos(np.pi / k)", "-1.1 * mu * np.cos(np.pi / k)", "outside of its pyramid"),
+    Narrow("52.7.1", "no other such", _FORCES, "    along = feet[1] - feet[0]\n    found.x[:3] += 0.3 * along\n    found.x[3:6] -= 0.3 * along\n" + _FORCES, "would do"),
+    Narrow("52.7.2", "the violation is", _WORST, "return np.abs(A @ x - b).max(initial=0.0)", "the violation is"),
+    Narrow("52.7.2", "the violation is", _WORST, "return (C @ x - d).max(initial=0.0)", "the violation is"),
+    Narrow("52.7.2", "the violation is", _WORST, "return max((A @ x - b).max(initial=0.0), (C @ x - d).max(initial=0.0))", "the violation is"),
+    Narrow("52.7.2", "the violation is", _WORST, _WORST.replace("0.0", "-9.0"), "the violation where nothing is broken"),
+    Narrow("52.7.2", "the answer breaks", "    return x\n", "    return x + 1e-5\n", "a constraint is broken by"),
+    Narrow("52.7.2", "the answer breaks", _FIRST, "    b = b + 1e-4\n" + _FIRST, "a constraint is broken by"),
+    Narrow("52.7.2", "the answer breaks", _FIRST, "    d = d + 1e-4\n" + _FIRST, "a constraint is broken by"),
+    Narrow("52.7.2", "constraints that bind", _FIRST, "    P = 1.01 * P\n" + _FIRST, "that nothing holds is"),
+    Narrow("52.7.2", "constraints that bind", _FIRST, "    d = d - 1e-4\n" + _FIRST, "that nothing holds is"),
+)  # fmt: skip
+
+_SPRING = "return 1.0 / (impedance * (timeconst * dampratio) ** 2), 2.0 / (impedance * timeconst)"
+_SPLITS = "    return np.array([one, one + min(one[1], one[2]) * np.array([1.0, -1.0, -1.0, 1.0])])\n"
+_PRESSURE = "3.0 * cop[1] * y / half_y**2)"
+SOFT = (
+    Narrow("52.8.1", "a body let go", _SPRING, _SPRING.replace("return 1.0", "return -1.0"), "k and b are"),
+    Narrow("52.8.1", "a body let go", _SPRING, _SPRING.replace(", 2.0", ", -2.0"), "k and b are"),
+    Narrow("52.8.1", "a body let go", _SPRING, _SPRING.replace("return 1.0", "return 1.01"), "away from the motion"),
+    Narrow("52.8.1", "a body let go", _SPRING, _SPRING.replace(", 2.0", ", 2.02"), "away from the motion"),
+    Narrow("52.8.1", "at the resting depth", "return (1.0 - impedance)", "return 1.001 * (1.0 - impedance)", "m it is"),
+    Narrow("52.8.1", "at the resting depth", "return (1.0 - impedance)", "return 0.999 * (1.0 - impedance)", "m it is"),
+    Narrow("52.8.1", "the overshoot", "        return 0.0\n", "        return 0.01\n", "the motion's"),
+    Narrow("52.8.1", "the overshoot", "    return float(np.exp(", "    return 0.01 + float(np.exp(", "the motion's"),
+    Narrow("52.8.1", "the shortest", "2.0 * dt", "2.001 * dt", "time constant over step"),
+    Narrow("52.8.2", "the pressure adds up", "mean = force", "mean = 1.001 * force", "the pressure's sum"),
+    Narrow("52.8.2", "the pressure adds up", "3.0 * cop[0] * x", "3.01 * cop[0] * x", "the pressure's centre"),
+    Narrow("52.8.2", "the pressure adds up", "3.0 * cop[1] * y", "3.01 * cop[1] * y", "the pressure's centre"),
+    Narrow("52.8.2", "the pressure changes", _PRESSURE, "3.0 * cop[1] * y / half_y**2 + 0.1 * (x * x / half_x**2 - 1.0 / 3.0))", "the pressure between two points"),
+    Narrow("52.8.2", "the whole sole", "<= 1.0 / 3.0", "<= 0.4", "it says True; the least pressure"),
+    Narrow("52.8.2", "the whole sole", "<= 1.0 / 3.0", "<= 0.27", "it says False; the least pressure"),
+    Narrow("52.8.2", "the whole sole", "abs(cop[0]) / half_x + abs(cop[1]) / half_y", "abs(cop[0]) / half_x", "it says True; the least pressure"),
+    Narrow("52.8.2", "the whole sole", "abs(cop[0]) / half_x + abs(cop[1]) / half_y", "abs(cop[1]) / half_y", "it says True; the least pressure"),
+    Narrow("52.8.2", "both splits", _SPLITS, _SPLITS.replace("one + min(", "one + 1.01 * min("), "a corner pulls"),
+    Narrow("52.8.2", "both splits", _SPLITS, _SPLITS.replace("return ", "return 1.001 * "), "their sums"),
+    Narrow("52.8.2", "both splits", _SPLITS, _SPLITS.replace("[1.0, -1.0, -1.0, 1.0]", "[0.5, -1.0, -0.5, 1.0]"), "their centres"),
+    Narrow("52.8.2", "both splits", _SPLITS, "    return np.array([one, one])\n", "they are the same"),
+)  # fmt: skip
+
+_REACTS = "    both, n = np.r_[low, high], len(low)\n"
+_TRIALS = "    return int(np.ceil(2.0 * (z * spread / difference) ** 2))\n"
+_ORDER = '"".join("AB" if k else "BA" for k in first)'
+_RANDOM = "np.random.default_rng(seed).integers"
+_P = "    return float(np.mean(means >= abs(difference.mean()) - 1e-12))\n"
+LEARNING = (
+    Narrow("52.9.1", "the largest use", "return float((np.hypot", "return 1.001 * float((np.hypot", "the use is"),
+    Narrow("52.9.1", "slip is", "return float(step", "return 1.001 * float(step", "the slip is"),
+    Narrow("52.9.1", "slip is", "loaded[1:] & loaded[:-1]", "loaded[1:]", "the slip is"),
+    Narrow("52.9.1", "slip is", "loaded[1:] & loaded[:-1]", "loaded[:-1]", "the slip is"),
+    Narrow("52.9.1", "equal policies", _REACTS, "    return True\n", "at most 5 % are right"),
+    Narrow("52.9.1", "a difference of three", _REACTS, "    return False\n", "that they do not differ"),
+    Narrow("52.9.1", "a difference of three", _REACTS, "    if np.mean(high) < np.mean(low):\n        return False\n" + _REACTS, "that they do not differ"),
+    Narrow("52.9.2", "that many trials", _TRIALS, "    return 2.0 * (z * spread / difference) ** 2\n", "expected a whole number"),
+    Narrow("52.9.2", "that many trials", _TRIALS, "    return 0\n", "expected a whole number"),
+    Narrow("52.9.2", "that many trials", "np.ceil(2.0 *", "np.ceil(2.8 *", "trials of each see it with"),
+    Narrow("52.9.2", "that many trials", "np.ceil(2.0 *", "np.ceil(1.9 *", "trials of each see it with"),
+    Narrow("52.9.2", "each pair", _ORDER, '"A" * pairs', "it has not"),
+    Narrow("52.9.2", "each pair", _ORDER, "list(" + _ORDER + ")", "it has not"),
+    Narrow("52.9.2", "each pair", _ORDER, _ORDER + '.replace("B", "C")', "other letters than A and B"),
+    Narrow("52.9.2", "each pair", _ORDER, '"AB" * (pairs - 1) + "AA"', "has one policy twice"),
+    Narrow("52.9.2", "who goes first", _ORDER, "list(" + _ORDER + ")", "it is no string"),
+    Narrow("52.9.2", "who goes first", _ORDER, '"AB" * pairs', "A goes first in 200 of 200"),
+    Narrow("52.9.2", "who goes first", _ORDER, '"BA" * pairs', "A goes first in 0 of 200"),
+    Narrow("52.9.2", "who goes first", _RANDOM, "np.random.default_rng(0).integers", "two seeds give one order"),
+    Narrow("52.9.2", "with no difference", _P, "    return 0.05\n", "below 0.1 in 300 of 300"),
+    Narrow("52.9.2", "with no difference", _P, "    return 0.5\n", "below 0.1 in 0 of 300"),
+    Narrow("52.9.2", "with no difference", _P, "    return 0.5 * float(np.mean(means >= abs(difference.mean()) - 1e-12))\n", "without a difference"),
+    Narrow("52.9.2", "the p value", _P, "    return 1.5\n", "it is 1.5"),
+    Narrow("52.9.2", "the p value", _P, "    return -0.1\n", "it is -0.1"),
+    Narrow("52.9.2", "the p value", _P, "    return 0.06\n", "for a difference of three spreads"),
+    Narrow("52.9.2", "the p value", _P, "    return 0.01 if difference.mean() > 0.0 else 0.04\n", "the other"),
+)  # fmt: skip
+
+NARROW = (
+    *PYRAMIDS, *SOLES, *CONES, *FISCHER, *DROP, *SOFTENINGS, *LAWS, *JACOBIANS, *MOMENTA, *FLIGHTS, *SHARES, *SOFT, *LEARNING,
+)  # fmt: skip

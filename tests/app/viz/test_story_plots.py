@@ -236,12 +236,13 @@ def test_a_log_without_contacts_stands_on_nothing_and_has_no_curves() -> None:
 
 
 def test_the_robot_is_drawn_from_the_side_of_its_farthest_way_on_the_level() -> None:
-    """It rises by 5 m, goes 0.3 m along x and 1 m against y: to the right is against y."""
-    way = np.linspace(0.0, 1.0, 11)[:, None]
-    com = np.array([3.0, 2.0, 0.5]) + way * np.array([0.0, -1.0, 0.0])
-    com[5] += [0.3, 0.5, 5.0]
+    """It rises by 5 m, sways in the second row, and is 0.6 m along x and 0.8 m against y at last."""
+    com = np.array([3.0, 2.0, 0.5]) + np.linspace(0.0, 1.0, 11)[:, None] * np.array([0.6, -0.8, 0.0])
+    com[5, 2] += 5.0
+    com[1] += [0.4, 0.1, 0.0]
     axis = picture(log_of(com, contact_positions=np.tile([[3.0, 1.2, 0.0]], (11, 2, 1)))).axes[0]
-    np.testing.assert_allclose(ends_of(arrows_of(axis)[0])[0], [0.5 - 0.2 * SCALE, -0.5 * SCALE], atol=1e-9)
+    foot = [0.5 - 0.36 * SCALE, -0.5 * SCALE]
+    np.testing.assert_allclose(ends_of(arrows_of(axis)[0])[0], foot, atol=1e-9)
 
 
 def test_a_robot_that_stays_is_drawn_from_a_side() -> None:
