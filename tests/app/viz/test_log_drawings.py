@@ -124,7 +124,7 @@ def test_friction_of_a_contact_is_its_own_and_of_a_foot_its_slipperiest_point_s(
     np.testing.assert_allclose(drawn["contact 0"], [0.5, 0.4])
     np.testing.assert_allclose(drawn["contact 1"], [0.25, np.nan])
     foot: dict[str, Any] = {"feet": ["left"], "contact_foot": [0, 0]}
-    mu[1, 1] = 0.8
+    mu[1] = [0.8, 0.5]
     np.testing.assert_allclose(
         curves(picture(foot, forces=forces, contact_friction=mu), "friction")["left"], [0.5, 0.4]
     )

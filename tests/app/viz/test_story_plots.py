@@ -241,8 +241,8 @@ def test_the_robot_is_drawn_from_the_side_of_its_farthest_way_on_the_level() -> 
     com[5, 2] += 5.0
     com[1] += [0.4, 0.1, 0.0]
     axis = picture(log_of(com, contact_positions=np.tile([[3.0, 1.2, 0.0]], (11, 2, 1)))).axes[0]
-    foot = [0.5 - 0.36 * SCALE, -0.5 * SCALE]
-    np.testing.assert_allclose(ends_of(arrows_of(axis)[0])[0], foot, atol=1e-9)
+    foot = ends_of(arrows_of(axis)[0])[0]
+    np.testing.assert_allclose(foot, [0.5 - 0.36 * SCALE, -0.5 * SCALE], atol=1e-9)
 
 
 def test_a_robot_that_stays_is_drawn_from_a_side() -> None:
@@ -295,8 +295,7 @@ def test_torques_without_limits_are_shares_of_the_largest_torque() -> None:
     axis = panel(picture(log_of(torques=torques)), "torque")
     np.testing.assert_allclose(curve(axis, "joint 0"), [0.5] * 3 + [-1.0] + [0.5] * 7)
     np.testing.assert_allclose(curve(axis, "joint 1"), [-0.1] * 3 + [0.0] + [-0.1] * 7)
-    still = panel(picture(log_of(torques=np.zeros((11, 1)))), "torque")
-    assert curve(still, "joint 0") == [0.0] * 11
+    assert curve(panel(picture(log_of(torques=np.zeros((11, 1)))), "torque"), "joint 0") == [0.0] * 11
     locked = log_of(torques=np.zeros((11, 1)), facts={"effort_limits": [0.0], "joints": ["hip"]})
     assert curve(panel(picture(locked), "torque"), "hip") == [0.0] * 11
 

@@ -190,6 +190,7 @@ def test_the_ground_is_drawn_below_the_way_as_far_as_feet_and_base_went(figures:
     log = walk()
     q = log["q"].copy()
     q[:, 0] += 0.25  # the feet were at 0 to 5 m
+    q[:, 1] *= -1.0
     axis = ground(figures, q)
     (line,) = lines_in(axis, MUTED)
     x, z = points_of(line).T
