@@ -74,7 +74,8 @@ def draw_contact_times(times: ContactTimes, axes: Any) -> None:
     bars = {}
     for foot in times.feet:
         downs, ups = foot.touchdowns.tolist(), foot.lift_offs.tolist()
-        first = [min(ends)] if ups and (not downs or ups[0] < downs[0]) else []
+        stood = ups and ups[0] > min(ends) and (not downs or ups[0] < downs[0])
+        first = [min(ends)] if stood else []
         spans = []
         for down in [*first, *downs]:
             up = next((one for one in ups if one > down), max(ends))

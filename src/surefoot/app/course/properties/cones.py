@@ -135,6 +135,10 @@ def _check_obeys_and_is_given(answer: Answer, rng: np.random.Generator) -> None:
     half_x, half_y, mu = _sole(rng)
     rows = _rows(answer, half_x, half_y, mu)
     scale = np.array([mu, mu, 1.0, half_y, half_x, mu * (half_x + half_y)])
+    for one in (0, 1, 3, 4, 5):  # beyond its limit alone: a box of all of them hardly holds such
+        alone = scale * np.r_[rng.uniform(-0.1, 0.1, 2), 1.0, rng.uniform(-0.1, 0.1, 3)]
+        alone[one] = rng.choice([-1.05, 1.05]) * scale[one]
+        expect((rows @ alone).max() > 0, f"all rows admit {short(alone)}, which no corner forces give")
     wrench = 100 * scale * np.r_[rng.uniform(-1.1, 1.1, 2), 1.0, rng.uniform(-1.1, 1.1, 3)]
     limits = np.array([[1, 0, -mu], [-1, 0, -mu], [0, 1, -mu], [0, -1, -mu], [0, 0, -1]])
     for share in (1.0, 0.5):
