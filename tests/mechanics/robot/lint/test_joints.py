@@ -89,8 +89,8 @@ def test_four_hinges_of_less_than_six_degrees_are_radians_read_as_degrees() -> N
     ]  # fmt: skip
     assert offences("limits-in-degrees", subject(narrow)) == found
     assert not offences("limits-in-degrees", subject(narrow[:3]))
-    for wide in ({"upper": 0.11}, {"lower": -0.11}):
-        assert not offences("limits-in-degrees", subject([*narrow, joint("w", **({"lower": -0.1} | wide))]))
+    for wide in (joint("w", lower=-0.1, upper=0.11), joint("w", lower=-0.11, upper=0.1)):
+        assert not offences("limits-in-degrees", subject([*narrow, wide]))
     others = [
         joint("shut", lower=0.5, upper=0.5), joint("free", limited=False), joint("slide", "prismatic"),
     ]  # fmt: skip
@@ -248,7 +248,9 @@ def test_an_offset_thirty_times_all_others_together_is_in_millimetres() -> None:
     ],
 )  # fmt: skip
 def test_the_weaker_of_two_sides_is_named_from_a_tenth(key: str, unit: str, own: float, found: bool) -> None:
-    joints = [joint("left_hip", **{key: 10.0}), joint("right_hip", **{key: own})]
+    joints = [joint("left_hip"), joint("right_hip")]
+    setattr(joints[0], key, 10.0)
+    setattr(joints[1], key, own)
     told = [("joint right_hip", f"{key} {own:g} {unit}", "left_hip has 10", "")] * found
     assert offences("sides-differ", subject(joints)) == told
 
