@@ -54,6 +54,7 @@ def test_a_pattern_tells_its_blocks_apart() -> None:
     assert (rows.low, rows.high) == ((0, -1), (1, 2))
     assert [bounded for _, bounded in rows.contacts] == [False, False]
     assert rows.contacts[0][0] is None
+    assert len({rows, pattern(False)}) == 2  # each is one of its own, for its places
     np.testing.assert_array_equal(rows.contacts[1][0], SOLE.corners)
 
 
