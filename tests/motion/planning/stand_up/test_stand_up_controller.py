@@ -23,8 +23,8 @@ from tests.robots import go2
 ROBOT = go2()
 ROLLING, RISING, STANDING, FOLDING = StandUpPhase
 STIFFNESS, DAMPING = 20.0, 0.5
-OFFSETS = np.array([0.1, -0.1, 0.2, -0.2])
-"""How far the joints of each posture are from the nominal ones [rad]; reached after 0.5, 1, 1.5 and 2 s."""
+OFFSETS = np.array([0.075, 0.1, -0.1, 0.2, -0.2])
+"""How far the joints of each posture are from the nominal ones [rad]."""
 LAIN = 0.15
 """How far those of the lying robot are [rad]."""
 BEGIN = 5.0
@@ -40,7 +40,7 @@ def pose(lean: float, joints: float) -> Any:
 
 
 def plan(**less: Any) -> Log:
-    """Return a plan of four postures, of which two roll."""
+    """Return a plan of five postures, of which three roll."""
     q = np.array([pose(180.0, LAIN), pose(180.0, LAIN)])
     nv, points = ROBOT.model.nv, len(ROBOT.contact_points)
     arrays = {
@@ -48,7 +48,7 @@ def plan(**less: Any) -> Log:
     }  # fmt: skip
     facts = {
         "dt": 0.01, "end_q": ROBOT.nominal.tolist(), "end_v": np.zeros(nv).tolist(),
-        "posture_times": [0.5, 1.0, 1.5, 2.0],
+        "posture_times": [0.25, 0.5, 1.0, 1.5, 2.0],
         "posture_targets": (ROBOT.nominal[7:] + OFFSETS[:, None]).tolist(),
         "posture_stiffness": STIFFNESS, "posture_damping": DAMPING,
     }  # fmt: skip
@@ -81,7 +81,7 @@ def target(command: TrackCommand, joints: float = 0.0) -> float:
 
 
 def test_postures_are_played_by_the_clock_from_where_the_joints_were(control: StandUpController) -> None:
-    """On straight lines: from 0.05 to 0.1 in half a second, to -0.1 in another, and held there."""
+    """On straight lines: from 0.05 by 0.075 to 0.1 in half a second, to -0.1 in another, and held there."""
     for after, joints, expected in (
         (0.0, 0.05, 0.05), (0.25, 0.0, 0.075), (0.5, 0.02, 0.1), (0.75, 0.0, 0.0), (1.0, 0.0, -0.1),
         (1.3, 0.0, -0.1), (1.59, 0.0, -0.1),
