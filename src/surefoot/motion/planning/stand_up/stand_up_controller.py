@@ -118,6 +118,8 @@ class StandUpController(Controller):
         if self.phase == StandUpPhase.FOLDING:
             share = min(clock / (0.5 * FOLD), 1.0)
             return np.asarray((1.0 - share) * self._from + share * self._lying)
+        if self.phase == StandUpPhase.STANDING:  # in the air for a moment: its legs stay as they stood
+            return law.at(law.duration, self._from)
         return law.at(self._rolled + clock, self._from)
 
     def _make_command(self, torques: FloatArray, stance: BoolArray) -> TrackCommand:
