@@ -62,6 +62,8 @@ def run(name: str) -> Any:
     """Run a page, where there is what runs notebooks."""
     for module in ("jupytext", "nbclient", "ipykernel"):
         pytest.importorskip(module, reason="the pages are notebooks: pip install -e '.[course]'")
+    if lacking := pages.missing(name):
+        pytest.skip(f"the page needs {lacking}, which is not installed")
     from docs.course.run import run
 
     return run(name)
@@ -76,8 +78,6 @@ def tags(cell: dict[str, Any]) -> list[str]:
 @pytest.mark.long
 @pytest.mark.parametrize("name", PAGES)
 def test_the_page_runs_and_what_is_kept_is_what_it_says(name: str) -> None:
-    if module := pages.missing(name):
-        pytest.skip(f"the page needs {module}, which is not installed")
     ran = run(name)
     assert ran.faults() == []
     for language in LANGUAGES:
@@ -329,15 +329,6 @@ def test_what_is_no_longer_current_is_told(tmp_path: Path, monkeypatch: pytest.M
     page.write_text(page.read_text().replace(">2.0<", ">2.1<"))
     assert any("zh/mini.md: line" in fault and "2.0" in fault for fault in run("mini").faults())
     assert any("zh/mini.ipynb is not its .md's" in fault for fault in pair_faults("mini"))
-
-
-def test_a_page_says_which_module_it_needs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pages, "COURSE", tmp_path)
-    (tmp_path / "en").mkdir()
-    for named, lacking in (("- numpy\n", ""), ("- numpy\n- not_there\n", "not_there"), ("", "")):
-        head = f"---\nkernelspec:\n  name: python3\nmodules:\n{named}---\n"
-        (tmp_path / "en" / "mini.md").write_text(head + MINI.format(x=1))
-        assert pages.missing("mini") == lacking
 
 
 def test_pages_are_chosen_by_name_or_how_it_begins() -> None:

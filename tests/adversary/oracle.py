@@ -232,6 +232,7 @@ def _error(data: Data, k: int, force: np.ndarray, u: Vector, size: float) -> flo
     w = Decimal(size)
     if w == 0:  # the one-sided derivative of the projection is the distance to the normal cone
         length, speed = max(norm(f), low), norm(v)
+        length = length if length > 0 or high is None else high
         if speed == 0 or high == 0:
             outside = nearest(f, mu, low, high, corners)
             return 0.0 if _apart(f, outside) <= Decimal(NOWHERE) * length else math.inf

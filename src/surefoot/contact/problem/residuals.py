@@ -135,10 +135,12 @@ def _contact_error(
     # solution: there is no speed to compare with
     if s == 0.0:
         return 0.0 if x == 0.0 and y == 0.0 and z == max(low, 0.0) else np.inf
-    # then ε is the distance of -(u + Γ) to the normal cone at λ: a λ large beside s stands for it, also for a
-    # bound of 1e-300 N, at which friction may be as far from maximum dissipation as at any other
+    # then ε is the distance of -(u + Γ) to the normal cone at λ: a λ large beside s stands for it, its bound
+    # where it is zero; also for a bound of 1e-300 N, whose square vanishes
     if w == 0.0:
         length = _size(x, y, z)
+        if length == 0.0 and high < np.inf:
+            length = high
         if length > 0.0:
             x, y, z, low, high = x / length, y / length, z / length, low / length, high / length
         w = WEIGHTLESS * s if length > 0.0 else 1.0

@@ -65,9 +65,10 @@ def _measure(
         lawful = size == abs(z) and z == low
         return (0.0 if lawful else math.inf), 0.0, violation, 0.0, 0.0, 0.0
     if w == 0.0:
-        if 0.0 < size < VANISHING:
+        length = high if size == 0.0 and high < math.inf else size
+        if 0.0 < length < VANISHING:
             return math.inf, 0.0, violation, 0.0, 0.0, 0.0
-        w = WEIGHTLESS * s / size if size > 0.0 else 1.0
+        w = WEIGHTLESS * s / length if length > 0.0 else 1.0
     # in units of s, so that no square vanishes
     error = contact.residual(force * (w / s), u / s, 1.0, share, scale=w / s)
     friction, rest = contact.shift(u), contact.reach(-u, friction=False)
