@@ -186,7 +186,7 @@ def judge(data: Data, forces: np.ndarray) -> Verdict:
     lost = 4.0 * EPS * (sizes @ lengths)
     least = np.where(data.held, 0.0, np.maximum(data.low, 0.0))
     known = (forces[:, :2] == 0.0).all(axis=1) & (forces[:, 2] == least) & (scale == 0.0)
-    error[known] = 0.0
+    error[known | (error < VANISHING)] = 0.0
     worst = np.array([_ratio(e, s) for e, s in zip(error, scale, strict=True)])
     share = worst / np.hypot(1.0, data.mu)
     pairs = zip(lost, scale, known | (data.high <= 0.0), strict=True)

@@ -150,7 +150,7 @@ def delay(s: Signals) -> Iterator[Sign]:
     beside = min(left(best - 2 * step), left(best + 2 * step))
     gain = without - left(best)
     sharp = left(best) < beside - 0.5 * s.limits.lag_better
-    told = left(best) < s.limits.left_open
+    told = left(best) < s.limits.left_open or gain > s.limits.far_better * s.limits.lag_better
     if sharp and told and best * s.dt >= s.limits.lag and gain > s.limits.lag_better:
         words = f"torques answer the state of {1e3 * best * s.dt:.0f} ms ago"
         yield Sign(float(s.time[0]), "body", words, 1.0 - left(best) / without)

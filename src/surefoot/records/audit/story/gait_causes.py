@@ -18,6 +18,9 @@ from surefoot.base.numerics.phases import joined_runs
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 
+REACH = 0.8
+"""Way over its height that a body goes in a stance on a leg 8 % longer, between both ends of its reach."""
+
 
 class Landing(NamedTuple):
     """A foot that lands: rows of its lift and landing, and the foothold and velocity (2,) [m, m/s].
@@ -192,7 +195,7 @@ def _on_two(down: list[BoolArray]) -> Iterator[BoolArray]:
 
 def slow_for_speed(s: Signals, row: int) -> bool:
     """Return whether the body goes farther in a stance, about a row, than legs reach."""
-    return walks(s) and _speed(s, row) * _stance(s, row) > s.limits.stance_way * max(s.height, 0.05)
+    return walks(s) and _speed(s, row) * _stance(s, row) > REACH * max(s.height, 0.05)
 
 
 def _speed(s: Signals, row: int) -> float:

@@ -16,6 +16,9 @@ from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.symptoms.fits import rotation_between
 
+BEGUN = 0.1
+"""Share of an energy that is there when it is said to have begun."""
+
 
 def model_changes(s: Signals, kind: str) -> Iterator[tuple[float, str, float]]:
     """Yield when, whose and by which factor the loop changed numbers of one kind in its model."""
@@ -196,7 +199,7 @@ def returned_energy(s: Signals) -> Iterator[Sign]:
         k, lift = int(power[row].argmax()), float(given[row] / s.weight)
         first = max(row - s.rows(s.limits.lies), 0)
         so_far = np.cumsum(np.maximum(power[first : row + s.rows(s.limits.lies)], 0.0).sum(axis=1))
-        first += int((so_far > s.limits.energy_begun * so_far[-1]).argmax())
+        first += int((so_far > BEGUN * so_far[-1]).argmax())
         words = (
             f"it gives back {given[row]:.2g} J within {s.limits.lies:g} s, enough to lift all by "
             f"{1e3 * lift:.0f} mm, where rigid contact gives none"
