@@ -12,7 +12,7 @@ ARMS := alex allegro_hand asr_twodof baxter borinot hextilt iris pr2 so_arm tiag
 # a crashed worker is not started again: with groups the rest would wait for it for ever
 PYTEST := $(BIN)/python -m pytest -n 2 --dist loadgroup --max-worker-restart 0 -q
 .DEFAULT_GOAL := help
-.PHONY: help setup stand lint test quick test-all test-extras test-mujoco test-release bench docs clean
+.PHONY: help setup stand lint test quick test-all test-extras test-mujoco test-release bench docs course site clean
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -82,7 +82,13 @@ bench: setup ## every benchmark, one after the other; sets the docs' measured ta
 docs: setup ## the documentation site in docs/build/html: every page run, every link and shown command checked
 	$(INSTALL) --quiet -e '.[docs]'
 	$(BIN)/python docs/check.py
+	@$(MAKE) --no-print-directory -j2 course site
+
+# what `make docs` does at once: each has stretches on one core
+course: setup
 	$(BIN)/python -m docs.course --check --jobs 2
+
+site: setup
 	$(BIN)/python -m docs.site
 
 clean: ## remove caches and the virtual environment
