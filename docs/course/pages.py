@@ -60,9 +60,7 @@ def source(name: str, language: str) -> Path:
 
 def missing(name: str) -> str:
     """Return a module that a page says it needs and that is not installed, or ""."""
-    head = source(name, "en").read_text(encoding="utf-8").split("\n---\n")[0]
-    wanted = re.search(r"^modules:\n((?:- \w+\n?)+)", head, re.MULTILINE)
-    modules = re.findall(r"\w+", wanted[1]) if wanted else []
+    modules = notebook(source(name, "en").read_text(encoding="utf-8")).metadata.get("modules") or []
     return next((module for module in modules if find_spec(module) is None), "")
 
 

@@ -186,15 +186,16 @@ def judge(data: Data, forces: np.ndarray) -> Verdict:
     lost = 4.0 * EPS * (sizes @ lengths)
     least = np.where(data.held, 0.0, np.maximum(data.low, 0.0))
     known = (forces[:, :2] == 0.0).all(axis=1) & (forces[:, 2] == least) & (scale == 0.0)
-    error[known | (error < VANISHING)] = 0.0
-    worst = np.array([_ratio(e, s) for e, s in zip(error, scale, strict=True)])
+    error[known] = 0.0
+    worst = np.array([ratio(e, s) for e, s in zip(error, scale, strict=True)])
     share = worst / np.hypot(1.0, data.mu)
     pairs = zip(lost, scale, known | (data.high <= 0.0), strict=True)
-    rounding = max((0.0 if free else float(_ratio(x, s)) for x, s, free in pairs), default=0.0)
+    rounding = max((0.0 if free else float(ratio(x, s)) for x, s, free in pairs), default=0.0)
     return Verdict(True, error, scale, float(share.max(initial=0.0)), float(worst.max(initial=0.0)), rounding)
 
 
-def _ratio(x: float, y: float) -> float:
+def ratio(x: float, y: float) -> float:
+    """An error over its scale: without one any error is infinite."""
     return 0.0 if x == 0.0 else (x / y if y > 0.0 else math.inf)
 
 

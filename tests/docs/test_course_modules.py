@@ -8,6 +8,8 @@ import pytest
 
 from docs.course import pages
 
+pytest.importorskip("jupytext", reason="the pages are notebooks: pip install -e '.[course]'")
+
 
 @pytest.mark.parametrize(
     ("named", "missing"), [("- numpy\n", ""), ("- numpy\n- not_there\n", "not_there"), ("", "")]
@@ -17,7 +19,7 @@ def test_a_page_says_which_module_it_lacks(
 ) -> None:
     monkeypatch.setattr(pages, "COURSE", tmp_path)
     (tmp_path / "en").mkdir()
-    head = f"---\nkernelspec:\n  name: python3\nmodules:\n{named}---\n"
+    head = f"---\nkernelspec:\n  display_name: Python 3\n  name: python3\nmodules:\n{named}---\n"
     (tmp_path / "en" / "mini.md").write_text(head + "\n# Mini\n\nmodules:\n- never_there\n")
     assert pages.missing("mini") == missing
 

@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from surefoot.records import Log
-from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.story.control_causes import chatter
 from surefoot.records.audit.story.signals import Signals
-from surefoot.records.audit.story.story_limits import STORY_LIMITS
+from tests.records.audit.made_signals import made_signals
 
 DT, LIMIT = 0.002, 20.0
 
@@ -17,15 +15,11 @@ DT, LIMIT = 0.002, 20.0
 def signals(asked: np.ndarray, hold: int) -> Signals:
     """Return what is known of one motor that is asked for torques, each held for so many rows."""
     torques = np.repeat(asked, hold)[:, None]
-    log = Log(
-        {"time": DT * np.arange(len(torques)), "torques": torques, "forces": np.zeros((len(torques), 1, 3))},
-        {"effort_limits": np.array([LIMIT]), "mass": 10.0},
-    )
-    setting = Setting(
-        ("foot",), np.zeros(1, dtype=np.int64), ("foot",), 98.1, DT, 0.0, 0.002, 0.0, 0.0, 0.0, np.zeros(3),
-        None, "",
-    )  # fmt: skip
-    return Signals(log, setting, STORY_LIMITS)
+    arrays = {
+        "time": DT * np.arange(len(torques)), "torques": torques, "forces": np.zeros((len(torques), 1, 3)),
+    }  # fmt: skip
+    facts = {"effort_limits": np.array([LIMIT]), "mass": 10.0}
+    return made_signals(arrays, facts, ("foot",), 98.1, DT)
 
 
 def alternating(count: int) -> np.ndarray:

@@ -8,9 +8,8 @@ import numpy as np
 import pinocchio
 import pytest
 
-import surefoot as sf
-from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.story.signals import Signals
+from tests.records.audit.made_signals import made_signals
 
 T, DT, MASS, G = 12, 0.004, 5.0, 9.81
 WEIGHT = MASS * G
@@ -20,12 +19,8 @@ TIME = DT * np.arange(T)
 
 def signals(facts: dict[str, Any] | None = None, /, **arrays: Any) -> Signals:
     """Return the signals of a log of two contact points, one a foot, without any force unless given."""
-    names = ("a", "b")
-    setting = Setting(
-        names, np.arange(2), names, WEIGHT, DT, 0.0, 0.002, 0.0, 0.0, 0.0, np.zeros(3), None, ""
-    )
     known = {"time": TIME, "forces": np.zeros((T, 2, 3)), **arrays}
-    return Signals(sf.Log(known, facts or {}), setting)
+    return made_signals(known, facts or {}, ("a", "b"), WEIGHT, DT)
 
 
 def turns(*angles: tuple[float, float, float]) -> Any:

@@ -163,17 +163,11 @@ def tips(s: Signals) -> Iterator[Sign]:
     if not walks(s) and len(down) < 3:
         return
     if len(down) == 1:
-        stands, most, longest = (
-            [next(iter(down.values()))],
-            "one foot",
-            s.limits.tips_on_one * s.pendulum_time,
-        )
+        stands, most = [next(iter(down.values()))], "one foot"
+        longest = s.limits.tips_on_one * s.pendulum_time
     else:
-        stands, most, longest = (
-            list(_on_two(list(down.values()))),
-            "two feet",
-            s.limits.tips_on_two * s.pendulum_time,
-        )
+        stands, most = list(_on_two(list(down.values()))), "two feet"
+        longest = s.limits.tips_on_two * s.pendulum_time
     rows = [row for on in stands if (row := s.first(on, s.rows(longest))) is not None]
     if not rows or s.rows(longest) < 2:
         return

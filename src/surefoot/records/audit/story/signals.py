@@ -89,12 +89,8 @@ class Signals:
         first = max(row - self.rows(self.limits.brief), 0)
         normals = self.normals[row][on]
         way = np.einsum("pi,pi->p", self.positions[row][on] - self.positions[first][on], normals)
-        closed = self.numbers("contact_velocities")[first:row, on, 2].sum(axis=0) * self.dt
-        return (
-            bool(np.median(way) > self.limits.own_part * np.median(closed))
-            if np.median(closed) < 0.0
-            else True
-        )
+        closed = float(np.median(self.numbers("contact_velocities")[first:row, on, 2].sum(axis=0))) * self.dt
+        return not closed < 0.0 or bool(np.median(way) > self.limits.own_part * closed)
 
     @cached_property
     def bolted(self) -> bool:
