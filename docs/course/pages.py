@@ -60,7 +60,7 @@ def source(name: str, language: str) -> Path:
 
 def missing(name: str) -> str:
     """Return a module that a page says it needs and that is not installed, or ""."""
-    modules = notebook(source(name, "en").read_text(encoding="utf-8")).metadata.get("modules") or []
+    modules = notebook(source(name, "en").read_text(encoding="utf-8")).metadata.get("modules", [])
     return next((module for module in modules if find_spec(module) is None), "")
 
 

@@ -12,14 +12,15 @@ pytest.importorskip("jupytext", reason="the pages are notebooks: pip install -e 
 
 
 @pytest.mark.parametrize(
-    ("named", "missing"), [("- numpy\n", ""), ("- numpy\n- not_there\n", "not_there"), ("", "")]
+    ("named", "missing"),
+    [("modules:\n- numpy\n", ""), ("modules:\n- numpy\n- not_there\n", "not_there"), ("", "")],
 )
 def test_a_page_says_which_module_it_lacks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, named: str, missing: str
 ) -> None:
     monkeypatch.setattr(pages, "COURSE", tmp_path)
     (tmp_path / "en").mkdir()
-    head = f"---\nkernelspec:\n  display_name: Python 3\n  name: python3\nmodules:\n{named}---\n"
+    head = f"---\nkernelspec:\n  display_name: Python 3\n  name: python3\n{named}---\n"
     (tmp_path / "en" / "mini.md").write_text(head + "\n# Mini\n\nmodules:\n- never_there\n")
     assert pages.missing("mini") == missing
 
