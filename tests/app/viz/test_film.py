@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.app.viz.film import FilmScene
+from surefoot.app.viz.film import FilmScene, Overlay
 from surefoot.app.viz.video import CONE_COLOUR, PUSH_COLOUR, edge_lines
 
 STEPS = 30
@@ -55,3 +55,24 @@ def test_steps_have_edges_and_planes_have_none() -> None:
     assert edge_lines(sf.FlatTerrain()) == []
     heights = {round(float(start[2]), 6) for start, _, _ in edge_lines(sf.StairsTerrain(0.1, 0.3))}
     assert {0.1, 0.2} <= heights
+
+
+@pytest.mark.parametrize("width", [400, 640, 2000])
+def test_the_legend_stands_whole_on_its_strip(width: int) -> None:
+    """Entries are apart by no more than two letters, and none is lost where there is little room."""
+    colours = [(0.9, 0.1, 0.1), (0.1, 0.7, 0.1), (0.1, 0.1, 0.9)]
+    words = ["force of the ground", "friction cone", "push, up to 30 N"]
+    overlay = Overlay(width, 480, "", list(zip(colours, words, strict=True)))
+    text, strip = overlay._text, np.asarray(overlay._strip)
+    boxes = [
+        (abs(strip[:, :, :3] - np.round(255.0 * np.array(c))) <= 1.0).all(axis=2).any(axis=0) for c in colours
+    ]
+    starts = [int(np.flatnonzero(box)[0]) for box in boxes]
+    ends = [
+        start + 1.9 * text + overlay._font.getlength(said) for start, said in zip(starts, words, strict=True)
+    ]
+    assert starts[0] == text
+    assert ends[-1] <= width
+    gaps = np.subtract(starts[1:], ends[:-1])
+    assert (gaps >= 0.9 * text).all()
+    assert (gaps <= 3.1 * text).all()

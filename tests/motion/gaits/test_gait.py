@@ -142,3 +142,11 @@ def test_the_table_of_phases_is_what_the_schedule_says_of_each_foot(schedule: Co
     for time in times.tolist():
         said = np.array([schedule.phase(k, time) for k in range(4)], dtype=float)
         assert np.array_equal(schedule.phases(time), said)
+
+
+def test_phases_are_remembered_until_a_foot_lifts_or_lands() -> None:
+    gait = named_gait("trot")
+    rows = gait.phases(0.1)
+    until = float(rows[:, 2].min())
+    assert gait.phases(0.1 + 0.4 * (until - 0.1)) is rows
+    assert gait.phases(0.1 + 1.1 * (until - 0.1)) is not rows
