@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 
 import surefoot as sf
+from benchmarks.mujoco_exact.dominoes import HIT, dominoes, push, toppling_time
 from benchmarks.mujoco_exact.scenes import bodies, box, painleve_rod, pinch, stack, still
 
 STIFF = {"impratio": 100.0, "noslip_iterations": 10}
@@ -152,6 +153,18 @@ def rocking_lean(half: float = 0.1, high: float = 0.4, lean: float = np.deg2rad(
     return float(slender - np.arccos(np.cos(slender) + risen))
 
 
+def _toppled(options: dict[str, float], exact: bool) -> str:
+    """Return when the last of eight dominoes is hit [ms]."""
+    hit: list[float] = []
+
+    def look(data: Any) -> None:
+        if abs(data.qvel[-1]) > HIT:
+            hit.append(data.time)
+
+    follow(dominoes(), options, exact, 1.0, push, look)
+    return f"{1e3 * hit[0]:.1f}" if hit else "-"
+
+
 def _jammed(options: dict[str, float], exact: bool) -> str:
     """Return the speed of the tip of Painlevé's rod 10 ms after it met the ground [m/s]."""
     data = follow(painleve_rod(), options, exact, 0.01, lambda d: d.qvel.__setitem__(0, 1.0))
@@ -207,6 +220,7 @@ ACCURACY: dict[str, Callable[[dict[str, float], bool], str]] = {
     "way of a block at 0° [%]": _straight, "way of a block at 45° [%]": _diagonal,
     "rate of a disc after 0.1 s [%]": _disc, "spin of a ball after 0.5 s [%]": _spun,
     f"lean of a rocking block [°] ({np.rad2deg(rocking_lean()):.3f})": _rocked,
+    f"the eighth domino is hit after [ms] ({1e3 * toppling_time():.1f})": _toppled,
     "tip of Painlevé's rod [m/s] (0)": _jammed,
     "the cradle's last ball [m/s] (1)": _cradle,
     "energy rises to rest on a slope by [µJ]": _energy,

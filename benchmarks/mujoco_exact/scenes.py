@@ -23,7 +23,7 @@ GRASP = 0.03
 
 def bodies(*parts: str, option: str = "", extra: str = "", mu: float = 0.5) -> Any:
     """Return a model of bodies over a plane, elliptic cones."""
-    floor = f'<geom type="plane" size="99 99 1" friction="{mu}"/>'
+    floor = f'<geom name="ground" type="plane" size="99 99 1" friction="{mu}"/>'
     world = f"<worldbody>{floor}{''.join(parts)}</worldbody>"
     text = f'<mujoco><option cone="elliptic" {option}/>{world}{extra}</mujoco>'
     return mujoco.MjModel.from_xml_string(text)

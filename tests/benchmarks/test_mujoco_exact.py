@@ -6,9 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from typer.testing import CliRunner
 
 from benchmarks.mujoco_exact.accuracy import ACCURACY, rocking_lean, runs_compared
+from benchmarks.mujoco_exact.dominoes import GAP, HIGH, PUSH, THICK, toppling_time
 from benchmarks.mujoco_exact.models import find_models, model_rows, run_models
 
 BOX = """<mujoco><worldbody><geom type="plane" size="9 9 1"/><body pos="0 0 0.1"><joint name="x" type="slide"
@@ -55,3 +57,22 @@ def test_bodies_with_closed_forms() -> None:
     assert float(found["stance feet of a Go2 slip [mm/s]"]) < 1e-3
     lean = float(ACCURACY[next(name for name in ACCURACY if "rocking" in name)]({"timestep": 1e-4}, True))
     assert lean == pytest.approx(np.rad2deg(rocking_lean()), rel=5e-3)
+    hit = float(ACCURACY[next(name for name in ACCURACY if "domino" in name)]({"timestep": 5e-4}, True))
+    assert hit == pytest.approx(1e3 * toppling_time(), rel=3e-3)
+
+
+def test_two_dominoes_are_one_that_tips_until_it_meets_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The closed form of a row, beside the equation of motion of the first one alone."""
+    monkeypatch.setattr("benchmarks.mujoco_exact.dominoes.COUNT", 2)
+    arm, inertia = 0.5 * np.hypot(HIGH, THICK), (HIGH**2 + THICK**2) / 3.0
+    lean = np.arctan2(THICK, HIGH)
+
+    def falls(_: float, state: np.ndarray) -> list[float]:
+        return [state[1], 9.81 * arm * np.sin(state[0] - lean) / inertia]
+
+    def meets(_: float, state: np.ndarray) -> float:
+        return float(HIGH * np.sin(state[0]) - GAP)
+
+    meets.terminal = True  # type: ignore[attr-defined]
+    found = solve_ivp(falls, (0.0, 2.0), [0.0, PUSH], events=meets, rtol=1e-10, atol=1e-12)
+    assert toppling_time() == pytest.approx(found.t_events[0][0], rel=1e-8)
