@@ -11,6 +11,7 @@ from surefoot.worlds.experiments.engines.defaults import CASES, ENGINES, measure
 
 LIMITS = {
     "rigid": (1e-5, 1e-5, 1e-9, 1e-5, 1e-9),
+    "mujoco exact": (4e-3, 4e-3, 1e-9, 5e-3, 1e-9),
     "mujoco tuned": (5e-3, 5e-3, 1e-3, 1.0, 1e-3),
     "bullet": (0.1, 0.1, 1e-3, 0.2, 0.01),
 }
@@ -20,7 +21,7 @@ LIMITS = {
 @pytest.mark.parametrize("engine", LIMITS)
 @pytest.mark.long
 def test_a_scene_is_the_same_in_every_engine(engine: str) -> None:
-    module = {"bullet": "pybullet", "mujoco": "mujoco"}.get(ENGINES[engine].world)
+    module = {"bullet": "pybullet", "mujoco": "mujoco", "mujoco-exact": "mujoco"}.get(ENGINES[engine].world)
     if module is not None and importlib.util.find_spec(module) is None:
         pytest.skip(f"{module} is not here")
     for case, limit in zip(CASES, LIMITS[engine], strict=True):

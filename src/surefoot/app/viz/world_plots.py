@@ -7,6 +7,9 @@ from pathlib import Path
 
 from surefoot.app.viz.style import FOOT_COLOURS, new_figure, save
 
+OURS = ("rigid", "mujoco-exact")
+"""Worlds whose contact step is of this package."""
+
 
 def draw_defaults(found: Mapping[str, Mapping[str, tuple[float, float]]], path: Path) -> Path:
     """Draw engines' errors over their cost, CPU seconds per simulated second, a panel for each scene.
@@ -30,10 +33,10 @@ def draw_defaults(found: Mapping[str, Mapping[str, tuple[float, float]]], path: 
             world = ENGINES[engine].world
             own = [e for e in found if ENGINES[e].world == world]
             error, cost = by[case]
-            colour = FOOT_COLOURS[worlds.index(world)]
+            colour, ours = FOOT_COLOURS[worlds.index(world) % len(FOOT_COLOURS)], world in OURS
             axis.loglog(
-                cost, min(max(error, 1e-9), 10.0), marks[own.index(engine) % 6] if world != "rigid" else "*",
-                mfc=colour if ENGINES[engine].tuned or world == "rigid" else "none", mec=colour, ms=8,
+                cost, min(max(error, 1e-9), 10.0), "*" if ours else marks[own.index(engine) % 6],
+                mfc=colour if ENGINES[engine].tuned or ours else "none", mec=colour, ms=8,
                 label=engine, ls="",
             )  # fmt: skip
         unit = CASES[case].unit

@@ -88,6 +88,7 @@ CASES: dict[str, Case] = {
 _DRAKE = partial(elsewhere, engine="drake")
 ENGINES: dict[str, EngineSetup] = {
     "rigid": EngineSetup("rigid", rigid, 1e-3),
+    "mujoco exact": EngineSetup("mujoco-exact", partial(mujoco, exact=True), 2e-3),
     "mujoco": EngineSetup("mujoco", mujoco, 2e-3),
     "mujoco tuned": EngineSetup("mujoco", mujoco, 1e-3, lambda dt, _: hard("mujoco", dt), True),
     "mjx": EngineSetup("mjx", partial(mujoco, mjx=True), 2e-3),

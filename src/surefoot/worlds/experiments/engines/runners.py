@@ -14,6 +14,7 @@ import json
 import math
 import os
 import subprocess
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,7 @@ from surefoot.mechanics import Box, SlopeTerrain, Sphere
 from surefoot.worlds.drake import drake_python
 from surefoot.worlds.experiments.engines.scripts import run_timed
 from surefoot.worlds.mujoco.spec import import_mujoco
+from surefoot.worlds.mujoco.stepper.stepper import MujocoStepper
 from surefoot.worlds.rigid.scene import Body, Scene, SceneWorld
 
 NEWTON_PYTHON = "SUREFOOT_NEWTON_PYTHON"
@@ -68,16 +70,18 @@ def _mujoco_model(scene: dict[str, Any]) -> Any:
     )
 
 
-def mujoco(scene: dict[str, Any], mjx: bool = False) -> tuple[list[Any], float]:
-    """Run MuJoCo, or its model in MJX."""
+def mujoco(scene: dict[str, Any], mjx: bool = False, exact: bool = False) -> tuple[list[Any], float]:
+    """Run MuJoCo, its model in MJX, or MuJoCo with Coulomb's law in place of its own."""
     library, model = import_mujoco(), _mujoco_model(scene)
     data = library.MjData(model)
     for k, given in enumerate(scene["bodies"]):
         data.qvel[6 * k : 6 * k + 3] = given["velocity"]
+    if exact:
+        model.opt.cone = library.mjtCone.mjCONE_ELLIPTIC
     if not mjx:
-        return run_timed(
-            scene, lambda _: library.mj_step(model, data), lambda: data.qpos.reshape(-1, 7)[:, :3].tolist()
-        )
+        own = MujocoStepper(model, restitution=scene["restitution"]).step if exact else None
+        step = own or partial(library.mj_step, model)
+        return run_timed(scene, lambda _: step(data), lambda: data.qpos.reshape(-1, 7)[:, :3].tolist())
     jax, engine = _import_mjx()
     held = [engine.put_data(model, data)]
     step, on_device = jax.jit(engine.step), engine.put_model(model)
