@@ -41,7 +41,7 @@ def toppling_time(points: int = 400) -> float:
     """Return when the last domino is hit [s]: each turns about its lower edge and leans on the next.
 
     J. M. J. van Leeuwen, "The domino effect", American Journal of Physics 78, 2010, without friction
-    between dominoes: the angles of all follow from that of the foremost, which moves at constant energy, and an impact
+    between dominoes: all angles follow from that of the foremost, which keeps its energy, and an impact
     keeps the momentum that belongs to it. The time is a quadrature of that energy.
     """
     inertia, weight = (HIGH**2 + THICK**2) / 3.0, 9.81

@@ -15,7 +15,7 @@ def test_lu_factors_serve_many_right_sides(n: int) -> None:
     """A x = b for several b from one elimination; a singular matrix is refused."""
     rng = np.random.default_rng(n)
     A = rng.normal(size=(n, n))
-    kept, order = A.copy(), np.zeros(n, np.int64)
+    kept, order = A.copy(), np.zeros((3, n), np.int64)
     assert factor_lu(kept, order)
     for _ in range(3):
         b = rng.normal(size=n)
@@ -23,6 +23,25 @@ def test_lu_factors_serve_many_right_sides(n: int) -> None:
         apply_lu(kept, order, x)
         np.testing.assert_allclose(A @ x, b, atol=1e-9)
     assert not factor_lu(np.zeros((n, n)), order)
+
+
+@pytest.mark.parametrize("band", [1, 3])
+def test_lu_factors_of_blocks_and_bands_are_as_wide_as_they_are(band: int) -> None:
+    """With rows exchanged, too: what is passed over is zero."""
+    rng, n = np.random.default_rng(band), 18
+    apart = np.abs(np.subtract.outer(np.arange(n), np.arange(n)))
+    for _ in range(20):
+        A = np.where(apart <= band, rng.normal(size=(n, n)), 0.0)
+        A[9:, :9] = A[:9, 9:] = 0.0
+        kept, order, b = A.copy(), np.zeros((3, n), np.int64), rng.normal(size=n)
+        assert factor_lu(kept, order)
+        for k in range(n):
+            assert (kept[order[1, k] + 1 :, k] == 0.0).all()
+            assert (kept[: order[2, k], k] == 0.0).all()
+        assert order[1, :9].max() < 9 <= order[2, 9:].min()
+        x = b.copy()
+        apply_lu(kept, order, x)
+        np.testing.assert_allclose(x, np.linalg.solve(A, b), rtol=1e-7, atol=1e-9 * np.abs(x).max())
 
 
 @kernel

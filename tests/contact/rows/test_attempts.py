@@ -8,6 +8,7 @@ import pytest
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.contact import CONE_ROWS, ROW_PENALTY, STOP_ROW, solve_rows
 from surefoot.contact.rows.sweeps import sweep_part
+from tests.contact.rows.reached import columns_of
 
 
 def _tables(dims: list[int], mu: float, G: FloatArray) -> tuple[IntArray, FloatArray]:
@@ -30,7 +31,9 @@ def test_a_contact_that_catches_sticks(side: float) -> None:
     free = np.array([-0.01127, -0.17162 * side, 0.0])
     table, numbers = _tables([3], 1.9, G)
     M, v, forces = np.linalg.inv(G), free.copy(), np.zeros(3)
-    _, error, _ = solve_rows(M, v, np.eye(3), np.zeros(3), table, numbers, 1e-10, forces)
+    _, error, _ = solve_rows(
+        M, v, np.eye(3), np.zeros(3), columns_of(np.eye(3), table), table, numbers, 1e-10, forces
+    )
     assert error <= 1e-10
     np.testing.assert_allclose(forces, -np.linalg.solve(G, free), atol=1e-8)
     assert abs(forces[1]) < 1.9 * forces[0]
@@ -50,7 +53,7 @@ def test_two_contacts_of_a_foot_that_nearly_do_the_same() -> None:
             [3, 3], rng.uniform(0.5, 2.0), J @ np.linalg.solve(M, J.T) + 1e-12 * np.eye(6)
         )
         forces = np.zeros(6)
-        _, error, speed = solve_rows(M, v, J, np.zeros(6), table, numbers, 1e-8, forces)
+        _, error, speed = solve_rows(M, v, J, np.zeros(6), columns_of(J, table), table, numbers, 1e-8, forces)
         missed += error > 1e-6
         if error <= 1e-6:
             assert (J @ v)[[0, 3]].min() > -1e-6 * speed
@@ -66,7 +69,7 @@ def test_sweeps_alone_come_near_whatever_the_rows() -> None:
         M, v, b = root @ root.T + np.eye(14), rng.normal(size=14), np.zeros(14)
         table, numbers = _tables([1, 3, 4, 6], 0.4, J @ np.linalg.solve(M, J.T))
         exact, forces = v.copy(), np.zeros(14)
-        assert solve_rows(M, exact, J, b, table, numbers, 1e-9, forces)[1] <= 1e-6
+        assert solve_rows(M, exact, J, b, columns_of(J, table), table, numbers, 1e-9, forces)[1] <= 1e-6
         swept = np.zeros(14)
         sweep_part(M, v, J, b, table, numbers, 3000, swept)
         assert (swept[[0, 1, 4, 8]] >= 0.0).all()

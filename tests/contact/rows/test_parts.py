@@ -8,6 +8,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from surefoot.contact.rows.blocks import DIM, FIRST, PART, count_parts
+from tests.contact.rows.reached import columns_of
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -23,7 +24,7 @@ def test_blocks_that_move_one_tree_are_one_part(seed: int) -> None:
         for tree in of_block:
             J[wide * k + rng.integers(wide), 2 * tree + rng.integers(2)] = 1.0
     found = np.empty(trees, dtype=np.int64)
-    count = count_parts(table, found, J, tree_of)
+    count = count_parts(table, found, columns_of(J, table), tree_of)
     pairs = [(k, blocks + tree) for k, of_block in enumerate(moved) for tree in of_block]
     rows, columns = np.array(pairs, dtype=int).reshape(-1, 2).T
     graph = coo_array((np.ones(len(pairs)), (rows, columns)), shape=(blocks + trees, blocks + trees))

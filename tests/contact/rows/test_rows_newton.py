@@ -16,6 +16,7 @@ from surefoot.contact import (
     STOP_ROW,
     solve_rows,
 )
+from tests.contact.rows.reached import columns_of
 
 
 def _tables(kinds: list[tuple[int, int, float, float]], G: FloatArray) -> tuple[IntArray, FloatArray]:
@@ -45,7 +46,9 @@ def test_points_are_those_of_the_solver_of_forces() -> None:
         mu = rng.uniform(0.1, 0.9, count)
         table, numbers = _tables([(CONE_ROWS, 3, float(m), 0.0) for m in mu], G)
         free, forces = v.copy(), np.zeros(3 * count)
-        _, error, _ = solve_rows(M, free, J, np.zeros(3 * count), table, numbers, 1e-9, forces)
+        _, error, _ = solve_rows(
+            M, free, J, np.zeros(3 * count), columns_of(J, table), table, numbers, 1e-9, forces
+        )
         unsolved += error > 1e-8
         if error > 1e-8:
             continue
@@ -71,7 +74,9 @@ def test_every_kind_keeps_its_law() -> None:
         M, J, v = _mechanism(rng, 16, rows)
         table, numbers = _tables(kinds, J @ np.linalg.solve(M, J.T))
         free, forces = v.copy(), np.zeros(rows)
-        _, error, speed = solve_rows(M, free, J, np.zeros(rows), table, numbers, 1e-10, forces)
+        _, error, speed = solve_rows(
+            M, free, J, np.zeros(rows), columns_of(J, table), table, numbers, 1e-10, forces
+        )
         assert error <= 1e-9
         u, tol = J @ free, 1e-7 * speed
         assert abs(u[0]) < tol
@@ -92,14 +97,19 @@ def test_redundant_rows_share_and_contradicting_ones_are_told() -> None:
     M, row = np.diag([2.0, 1.0]), np.array([[1.0, 0.0], [1.0, 0.0]])
     table, numbers = _tables([(HELD_ROW, 1, 0.0, 0.0)] * 2, row @ np.linalg.solve(M, row.T))
     v, forces = np.array([1.0, 1.0]), np.zeros(2)
-    _, error, _ = solve_rows(M, v, row, np.zeros(2), table, numbers, 1e-10, forces)
+    _, error, _ = solve_rows(M, v, row, np.zeros(2), columns_of(row, table), table, numbers, 1e-10, forces)
     assert error <= 1e-10
     np.testing.assert_allclose(forces, [-1.0, -1.0], atol=1e-8)
     v, forces = np.array([1.0, 1.0]), np.zeros(2)
-    _, error, _ = solve_rows(M, v, row, np.array([0.5, -0.5]), table, numbers, 1e-10, forces)
+    _, error, _ = solve_rows(
+        M, v, row, np.array([0.5, -0.5]), columns_of(row, table), table, numbers, 1e-10, forces
+    )
     assert error > 0.1
     v, forces = np.array([np.nan, 1.0]), np.zeros(2)
-    assert not solve_rows(M, v, row, np.zeros(2), table, numbers, 1e-10, forces)[1] <= 1.0
+    assert (
+        not solve_rows(M, v, row, np.zeros(2), columns_of(row, table), table, numbers, 1e-10, forces)[1]
+        <= 1.0
+    )
 
 
 def test_a_soft_row_is_a_spring() -> None:
@@ -107,6 +117,6 @@ def test_a_soft_row_is_a_spring() -> None:
     M, J = np.array([[2.0]]), np.array([[1.0]])
     table, numbers = _tables([(SOFT_ROWS, 1, 0.0, 0.0)], np.array([[0.5]]))
     v, forces = np.array([-3.0]), np.array([0.25])
-    solve_rows(M, v, J, np.zeros(1), table, numbers, 1e-10, forces)
+    solve_rows(M, v, J, np.zeros(1), columns_of(J, table), table, numbers, 1e-10, forces)
     assert v[0] == pytest.approx(-3.0 * 2.0 / (2.0 + 4.0))
     assert forces[0] == pytest.approx(4.0)

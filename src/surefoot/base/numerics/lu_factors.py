@@ -8,11 +8,12 @@ from surefoot.base.kernels import kernel
 
 @kernel
 def factor_lu(A: FloatArray, order: IntArray) -> bool:
-    """Replace A (n, n) by its factors L U, rows pivoted into `order` (n,); return False for a zero pivot.
+    """Replace A (n, n) by its factors L U, and fill `order` (3, n); return False for a zero pivot.
 
+    Its rows: the row that each was exchanged with, the last row of each column of L, the first of each of U.
     Zeros at the ends of a pivot's row and column are passed over: blocks and bands cost what they hold.
     """
-    n = order.size
+    n = A.shape[0]
     for k in range(n):
         pivot = low = k
         for i in range(k + 1, n):
@@ -20,7 +21,7 @@ def factor_lu(A: FloatArray, order: IntArray) -> bool:
                 low = i
                 if abs(A[i, k]) > abs(A[pivot, k]):
                     pivot = i
-        order[k] = pivot
+        order[0, k] = pivot
         if not abs(A[pivot, k]) > 0.0:
             return False
         if pivot != k:
@@ -35,23 +36,30 @@ def factor_lu(A: FloatArray, order: IntArray) -> bool:
             if share != 0.0:
                 for j in range(k + 1, far):
                     A[i, j] -= share * A[k, j]
+    for k in range(n):
+        low, high = n - 1, 0
+        while low > k and A[low, k] == 0.0:
+            low -= 1
+        while high < k and A[high, k] == 0.0:
+            high += 1
+        order[1, k], order[2, k] = low, high
     return True
 
 
 @kernel
 def apply_lu(A: FloatArray, order: IntArray, x: FloatArray) -> None:
     """Replace x (n,) by the solution of A y = x, from the factors of `factor_lu`."""
-    n = order.size
+    n = x.size
     for k in range(n):
-        if order[k] != k:
-            x[k], x[order[k]] = x[order[k]], x[k]
-    for i in range(n):
-        total = x[i]
-        for j in range(i):
-            total -= A[i, j] * x[j]
-        x[i] = total
-    for i in range(n - 1, -1, -1):
-        total = x[i]
-        for j in range(i + 1, n):
-            total -= A[i, j] * x[j]
-        x[i] = total / A[i, i]
+        if order[0, k] != k:
+            x[k], x[order[0, k]] = x[order[0, k]], x[k]
+    # column by column: sums along rows would wait for each addition
+    for k in range(n):
+        if x[k] != 0.0:
+            for i in range(k + 1, order[1, k] + 1):
+                x[i] -= A[i, k] * x[k]
+    for k in range(n - 1, -1, -1):
+        x[k] /= A[k, k]
+        if x[k] != 0.0:
+            for i in range(order[2, k], k):
+                x[i] -= A[i, k] * x[k]

@@ -22,8 +22,8 @@ tumbling walkers on which it, and starts from none, had failed."""
 
 @kernel
 def solve_rows(
-    M: FloatArray, v: FloatArray, J: FloatArray, b: FloatArray, table: IntArray, numbers: FloatArray,
-    tol: float, x: FloatArray,
+    M: FloatArray, v: FloatArray, J: FloatArray, b: FloatArray, columns: IntArray, table: IntArray,
+    numbers: FloatArray, tol: float, x: FloatArray,
 ) -> tuple[int, float, float]:  # fmt: skip
     """Solve one connected part; return the Newton steps, the velocity error over the scale, and that [m/s].
 
@@ -42,7 +42,7 @@ def solve_rows(
                         trial[i] = 0.0
             if sweeps > 0:
                 sweep_part(M, free, J, b, table, numbers, sweeps, trial)
-        used, error, speed = solve_part(M, moved, J, b, table, numbers, share, tol, most, trial)
+        used, error, speed = solve_part(M, moved, J, b, columns, table, numbers, share, tol, most, trial)
         steps += used
         if error < least:
             least = error

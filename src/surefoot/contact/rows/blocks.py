@@ -198,28 +198,40 @@ def block_error(
 
 
 @inline_kernel
-def count_parts(table: IntArray, trees: IntArray, J: FloatArray, tree_of: IntArray) -> int:
+def find_columns(J: FloatArray, first: int, dim: int, found: IntArray) -> None:
+    """Fill the number of columns that a block's rows reach, and then which they are: found (n + 1,)."""
+    few, last = 0, first + dim - 1
+    for j in range(J.shape[1]):
+        used = J[first, j] != 0.0 or J[last, j] != 0.0
+        for i in range(first + 1, last):
+            used = used or J[i, j] != 0.0
+        if used:
+            few += 1
+            found[few] = j
+    found[0] = few
+
+
+@inline_kernel
+def count_parts(table: IntArray, trees: IntArray, columns: IntArray, tree_of: IntArray) -> int:
     """Fill the connected part of every block and of every tree (trees (t,)); return their number.
 
-    Blocks that move the same tree are joined; a tree that no block moves has part -1.
+    Blocks that move the same tree are joined, by the columns (k, n + 1) that they reach (`find_columns`); a
+    tree that no block moves has part -1.
     """
     for t in range(trees.size):
         trees[t] = t
     # union of the trees that a block moves; its root in the table
     for k in range(table.shape[0]):
         root = -1
-        for a in range(table[k, DIM]):
-            row = table[k, FIRST] + a
-            for j in range(J.shape[1]):
-                if J[row, j] != 0.0:
-                    t = tree_of[j]
-                    while trees[t] != t:
-                        t = trees[t]
-                    if root < 0:
-                        root = t
-                    elif t != root:
-                        trees[max(t, root)] = min(t, root)
-                        root = min(t, root)
+        for c in range(1, columns[k, 0] + 1):
+            t = tree_of[columns[k, c]]
+            while trees[t] != t:
+                t = trees[t]
+            if root < 0:
+                root = t
+            elif t != root:
+                trees[max(t, root)] = min(t, root)
+                root = min(t, root)
         table[k, PART] = root
     for k in range(table.shape[0]):
         root = table[k, PART]

@@ -48,20 +48,6 @@ def fill_velocities(
 
 
 @inline_kernel
-def find_columns(J: FloatArray, table: IntArray, columns: IntArray) -> None:
-    """Fill the number of columns that each block's rows reach, and which they are: (n, 1 + dofs)."""
-    for k in range(table.shape[0]):
-        few = 0
-        for j in range(J.shape[1]):
-            for i in range(table[k, FIRST], table[k, FIRST] + table[k, DIM]):
-                if J[i, j] != 0.0:
-                    few += 1
-                    columns[k, few] = j
-                    break
-        columns[k, 0] = few
-
-
-@inline_kernel
 def fill_residual(
     M: FloatArray, free: FloatArray, J: FloatArray, columns: IntArray, table: IntArray, v: FloatArray,
     p: FloatArray, out: FloatArray,
@@ -69,10 +55,12 @@ def fill_residual(
     """Fill the dynamics' residual (n,) M (v - v_free) - Jᵀ p."""
     n = v.size
     for i in range(n):
-        total = 0.0
-        for j in range(n):
-            total += M[i, j] * (v[j] - free[j])
-        out[i] = total
+        out[i] = 0.0
+    for j in range(n):  # column by column: sums along rows would wait for each addition
+        change = v[j] - free[j]
+        if change != 0.0:
+            for i in range(n):
+                out[i] += M[i, j] * change
     for k in range(table.shape[0]):
         for i in range(table[k, FIRST], table[k, FIRST] + table[k, DIM]):
             if p[i] != 0.0:
@@ -82,47 +70,35 @@ def fill_residual(
 
 @inline_kernel
 def _add_block(
-    J: FloatArray, columns: IntArray, k: int, first: int, dim: int, D: FloatArray, H: FloatArray,
-    moved: FloatArray,
+    J: FloatArray, columns: IntArray, k: int, first: int, dim: int, D: FloatArray, stuck: bool, H: FloatArray,
+    rooms: FloatArray,
 ) -> None:  # fmt: skip
-    """Add J_kᵀ D J_k to H, over the columns that the block moves."""
+    """Add J_kᵀ D J_k to H, over the columns that the block moves; of one that is stuck D is diagonal.
+
+    The rows are gathered first, and a row of the product is added at once: H's own columns are apart.
+    """
     few = columns[k, 0]
+    own, moved, line = rooms[:WIDEST], rooms[WIDEST : 2 * WIDEST], rooms[2 * WIDEST]
     for a in range(dim):
-        for c in range(1, few + 1):
-            total = 0.0
+        for c in range(few):
+            own[a, c] = J[first + a, columns[k, c + 1]]
+    for a in range(dim):
+        for c in range(few):
+            moved[a, c] = D[a, a] * own[a, c]
+        if not stuck:
             for b in range(dim):
-                total += D[a, b] * J[first + b, columns[k, c]]
-            moved[a, c] = total
-    for a in range(dim):
-        for d in range(1, few + 1):
-            value = J[first + a, columns[k, d]]
-            if value != 0.0:
-                row = columns[k, d]
-                for c in range(1, few + 1):
-                    H[row, columns[k, c]] += value * moved[a, c]
-
-
-@inline_kernel
-def _add_stuck(
-    J: FloatArray,
-    columns: IntArray,
-    k: int,
-    first: int,
-    dim: int,
-    stiff: float,
-    stiff_t: float,
-    H: FloatArray,
-) -> None:
-    """Add J_kᵀ D J_k to H for a block that holds: D is diagonal."""
-    few = columns[k, 0]
-    for a in range(dim):
-        share = stiff if a == 0 else stiff_t
-        for d in range(1, few + 1):
-            value = share * J[first + a, columns[k, d]]
-            if value != 0.0:
-                row = columns[k, d]
-                for c in range(1, few + 1):
-                    H[row, columns[k, c]] += value * J[first + a, columns[k, c]]
+                if b != a and D[a, b] != 0.0:
+                    for c in range(few):
+                        moved[a, c] += D[a, b] * own[b, c]
+    for d in range(few):
+        for c in range(few):
+            line[c] = own[0, d] * moved[0, c]
+        for a in range(1, dim):
+            for c in range(few):
+                line[c] += own[a, d] * moved[a, c]
+        row = columns[k, d + 1]
+        for c in range(few):
+            H[row, columns[k, c + 1]] += line[c]
 
 
 @inline_kernel
@@ -172,7 +148,7 @@ def free_speed(table: IntArray, k: int, u: FloatArray) -> float:
 @inline_kernel
 def assemble_matrix(
     M: FloatArray, J: FloatArray, columns: IntArray, table: IntArray, numbers: FloatArray, share: float,
-    x: FloatArray, u: FloatArray, modes: IntArray, H: FloatArray, moved: FloatArray,
+    x: FloatArray, u: FloatArray, modes: IntArray, H: FloatArray, rooms: FloatArray,
 ) -> bool:  # fmt: skip
     """Fill H = M - Jᵀ ∂p/∂u J (n, n); return whether it is the same for all velocities of these modes."""
     D = np.empty((WIDEST, WIDEST))
@@ -183,16 +159,13 @@ def assemble_matrix(
     for k in range(table.shape[0]):
         if modes[k] in (OPEN, LOW, HIGH):
             continue
-        if modes[k] == STICK and table[k, KIND] != SOFT_ROWS:
-            stiff, stiff_t = share * numbers[k, STIFF], share * numbers[k, STIFF_T]
-            _add_stuck(J, columns, k, table[k, FIRST], table[k, DIM], stiff, stiff_t, H)
-            continue
         slope(
             table[k, KIND], table[k, DIM], modes[k], numbers[k, MU], share * numbers[k, STIFF],
             share * numbers[k, STIFF_T], x, u, table[k, FIRST], D,
         )  # fmt: skip
         steady = steady and modes[k] != SLIDE
-        _add_block(J, columns, k, table[k, FIRST], table[k, DIM], D, H, moved)
+        stuck = modes[k] == STICK and table[k, KIND] != SOFT_ROWS
+        _add_block(J, columns, k, table[k, FIRST], table[k, DIM], D, stuck, H, rooms)
     return steady
 
 

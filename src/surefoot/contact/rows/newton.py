@@ -29,7 +29,6 @@ from surefoot.contact.rows.linearised import (
     fill_motion,
     fill_residual,
     fill_velocities,
-    find_columns,
     free_speed,
     take_impulses,
     worst_error,
@@ -111,11 +110,11 @@ def _settle(
     """Take Newton steps for impulses x until the modes stay; return their number, if so, and if H holds."""
     M, free, J, _, columns, table, numbers = system
     v, u, p, modes = point
-    moved = np.empty((WIDEST, v.size + 1))
+    products = np.empty((2 * WIDEST + 1, v.size))
     for turn in range(PATIENCE):
         fill_residual(M, free, J, columns, table, v, p, step)
         if not known:
-            known = assemble_matrix(M, J, columns, table, numbers, share, x, u, modes, H, moved)
+            known = assemble_matrix(M, J, columns, table, numbers, share, x, u, modes, H, products)
             if not factor_lu(H, order):
                 return 0, False, False
         for i in range(v.size):
@@ -171,7 +170,7 @@ def _improve(
     """Find impulses from x (m,) with an error up to a bound; return Newton steps and the best's error."""
     _, free, J, _, columns, table, numbers = system
     n, step = free.size, rooms[0]
-    H, own_order = np.empty((n, n)), np.empty(n, np.int64)
+    H, own_order = np.empty((n, n)), np.empty((3, n), np.int64)
     fill_motion(J, columns, table, x, factors, order, free, step, point[0], False)
     _look(system, share, x, point)
     least, done, worse, known = np.inf, 0, 0, False
@@ -208,8 +207,8 @@ def _improve(
 
 @kernel
 def solve_part(
-    M: FloatArray, v: FloatArray, J: FloatArray, b: FloatArray, table: IntArray, numbers: FloatArray,
-    share: float, tol: float, most: int, forces: FloatArray,
+    M: FloatArray, v: FloatArray, J: FloatArray, b: FloatArray, columns: IntArray, table: IntArray,
+    numbers: FloatArray, share: float, tol: float, most: int, forces: FloatArray,
 ) -> tuple[int, float, float]:  # fmt: skip
     """Solve one connected part; return the Newton steps, the velocity error over the scale, and that [m/s].
 
@@ -221,8 +220,8 @@ def solve_part(
         (n,) velocities without impulses; those with the best that were found [m/s, rad/s].
     J, b
         (m, n) Jacobian, friction rows scaled, and (m,) what is added to its velocities [m/s].
-    table, numbers
-        (k, 4) and (k, 6) of the blocks, see `blocks`.
+    columns, table, numbers
+        (k, n + 1), (k, 4) and (k, 6) of the blocks, see `blocks`.
     share
         Of the penalties that is used first [-].
     tol
@@ -233,11 +232,10 @@ def solve_part(
         (m,) impulses to start from (of soft blocks: their softness R); the best that were found [N s].
     """
     n, m, count = v.size, b.size, table.shape[0]
-    factors, order, free = M.copy(), np.empty(n, np.int64), v.copy()
-    columns, modes = np.empty((count, n + 1), np.int64), np.full(count, -1, np.int64)
+    factors, order, free = M.copy(), np.empty((3, n), np.int64), v.copy()
+    modes = np.full(count, -1, np.int64)
     vectors, rooms = np.empty((4, m)), np.empty((3, n))
     x, u, p, best = vectors[0], vectors[1], vectors[2], vectors[3]
-    find_columns(J, table, columns)
     if not factor_lu(factors, order):
         return 0, np.inf, 0.0
     system = (M, free, J, b, columns, table, numbers)

@@ -99,7 +99,7 @@ def sweep_part(
     Soft blocks are left out.
     """
     n, m, count = free.size, b.size, table.shape[0]
-    factors, order = M.copy(), np.empty(n, np.int64)
+    factors, order = M.copy(), np.empty((3, n), np.int64)
     if not factor_lu(factors, order):
         return
     Y, v = J.copy(), free.copy()

@@ -127,6 +127,7 @@ class Evaluation:
         M = dense.copy() if dense.size else M + self.h * np.diag(damping) if damping.size else M
         J, b, scale = np.zeros((count, nv)), np.zeros(count), np.ones(count)
         keys, table = np.zeros((count, 3), np.int64), np.zeros((count, 4), np.int64)
+        columns = np.zeros((count, nv + 1), np.int64)
         numbers, blocks = np.zeros((count, 6)), 0
         if count:
             floats, words, halves = stepper._memory_views
@@ -136,7 +137,7 @@ class Evaluation:
             restore_margins(floats, halves, at, layout, count, settings, soft)
             blocks = read_blocks(
                 floats, halves, at, layout, count, settings, soft, np.array(data.qvel), J, b, scale, keys,
-                table, numbers,
+                columns, table, numbers,
             )  # fmt: skip
         return Instant(
             self.h, M, self.h * np.array(data.qfrc_smooth), J, b, np.array(data.efc_pos - data.efc_margin),

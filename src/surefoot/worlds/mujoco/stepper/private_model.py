@@ -15,7 +15,7 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.errors import ProblemError
-from surefoot.base.kernels import entry_point, kernel
+from surefoot.base.kernels import entry_point, inline_kernel, kernel
 from surefoot.worlds.mujoco.memory_places import all_memory, place_of
 
 FOLLOWED = (
@@ -61,19 +61,22 @@ def follow_changes(words: IntArray, table: IntArray, halves: IntArray, choices: 
 
     The table is of words of 64 bits, the choices are of 32.
     """
+    return _copy_changed(words, table) + _copy_changed(halves, choices)
+
+
+@inline_kernel
+def _copy_changed(entries: IntArray, table: IntArray) -> int:
     changed = 0
-    for k in range(choices.shape[0]):
-        one, two = choices[k, 0], choices[k, 1]
-        for i in range(choices[k, 2]):
-            if halves[one + i] != halves[two + i]:
-                halves[two + i] = halves[one + i]
-                changed += 1
     for k in range(table.shape[0]):
-        one, two = table[k, 0], table[k, 1]
-        for i in range(table[k, 2]):
-            if words[one + i] != words[two + i]:
-                words[two + i] = words[one + i]
-                changed += 1
+        one, two = entries[table[k, 0] :], entries[table[k, 1] :]
+        other = one[0] ^ one[0]
+        for i in range(table[k, 2]):  # without a branch: nearly always nothing has changed
+            other |= one[i] ^ two[i]
+        if other != 0:
+            for i in range(table[k, 2]):
+                if one[i] != two[i]:
+                    two[i] = one[i]
+                    changed += 1
     return changed
 
 

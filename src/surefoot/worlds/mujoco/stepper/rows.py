@@ -10,6 +10,7 @@ from surefoot.contact import (
     HELD_ROW,
     SOFT_ROWS,
     STOP_ROW,
+    find_columns,
 )
 
 EQUALITY, FRICTION_DOF, FRICTION_TENDON, LIMIT_JOINT, LIMIT_TENDON, FRICTIONLESS, PYRAMIDAL, ELLIPTIC = range(
@@ -31,7 +32,7 @@ FIRST_BYTE = 8
 def read_blocks(
     floats: FloatArray, halves: IntArray, at: IntArray, layout: IntArray, count: int, settings: FloatArray,
     soft: FloatArray, qvel: FloatArray, J: FloatArray, b: FloatArray, scale: FloatArray, keys: IntArray,
-    table: IntArray, numbers: FloatArray,
+    columns: IntArray, table: IntArray, numbers: FloatArray,
 ) -> int:  # fmt: skip
     """Fill the blocks of `count` rows; return how many there are.
 
@@ -44,11 +45,11 @@ def read_blocks(
     qvel
         (nv,) velocities.
     J, b, scale
-        Filled: (count, nv) the Jacobian with friction rows scaled, b (count,) what closes or moves beside it
-        [m/s], and the scale of each row; of soft blocks b leads to MuJoCo's own law.
+        Filled: (count, nv) the Jacobian, zeros before, with friction rows scaled, b (count,) what closes or
+        moves beside it [m/s], and the scale of each row; of soft blocks b leads to MuJoCo's own law.
     keys
         Filled: (count, 3) what each block is of.
-    table, numbers
+    columns, table, numbers
         Filled: see `surefoot.contact.rows.blocks`.
     """
     h, i, k = settings[STEP], 0, 0
@@ -72,6 +73,7 @@ def read_blocks(
                 row_kind, mu = CONE_ROWS, floats[(base + layout[FRICTION]) // 8]
             if soft.size and (soft[keys[k, 1]] != 0.0 or soft[keys[k, 2]] != 0.0):
                 row_kind = SOFT_ROWS
+        find_columns(source, i, dim, columns[k])
         for a in range(dim):
             share = 1.0
             if a > 0:
@@ -79,7 +81,8 @@ def read_blocks(
                 share = floats[(base + layout[FRICTION]) // 8 + a - 1] / mu
             scale[i + a] = share
             moved = 0.0
-            for j in range(qvel.size):
+            for c in range(1, columns[k, 0] + 1):
+                j = columns[k, c]
                 moved += source[i + a, j] * qvel[j]
                 J[i + a, j] = share * source[i + a, j]
             if row_kind == SOFT_ROWS:

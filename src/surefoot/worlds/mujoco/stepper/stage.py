@@ -9,7 +9,8 @@ from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import INTEGER, MATRIX, VECTOR, inline_kernel, kernel, window
 from surefoot.base.numerics.lu_factors import apply_lu, factor_lu
 from surefoot.base.numerics.tree_factor import factor_tree, solve_tree
-from surefoot.contact import ROW_PENALTY, SOFT_ROWS, count_parts, solve_rows
+from surefoot.contact import SOFT_ROWS, count_parts, find_columns, solve_rows
+from surefoot.worlds.mujoco.stepper.row_weights import fill_weights
 from surefoot.worlds.mujoco.stepper.rows import (
     CONTACTS,
     DIMENSION,
@@ -42,71 +43,35 @@ STAGE_TYPES = (
     VECTOR, WORDS, HALVES, WORDS, WORDS, WORDS, INTEGER, VECTOR, VECTOR, VECTOR, MATRIX,
     numba.types.Tuple((TABLE, TABLE, VECTOR)), VECTOR, VECTOR,
 )  # fmt: skip
-ERROR, SPEED, STEPS, BLOCKS, UNSOLVED, VIOLATION, _, LAST = range(8)
+ERROR, SPEED, STEPS, BLOCKS, UNSOLVED, VIOLATION, PUSHED, LAST = range(8)
 """What the stage tells: velocity error over the speed, the speed [m/s], Newton steps, blocks, connected parts
-that are not solved, and the largest violation of a position [m, rad]."""
+that are not solved, the largest violation of a position [m, rad], and whether there is a push."""
 FOREIGN = -2
 """Answer to rows that another model has made."""
 SMALL = 1e-9
-"""Violation that is left alone [m, rad], and the share of the largest weight that every row's counts at least
-[-]: a row that the mechanism hardly moves must not be given a penalty without bounds."""
+"""Violation that is left alone [m, rad]."""
 
 
 @inline_kernel
-def _row_weight(
-    row: FloatArray, factors: FloatArray, rows: IntArray, starts: IntArray, columns: IntArray, y: FloatArray
-) -> float:
-    """Return J M⁻¹ Jᵀ of a row (n,), over the trees between its first and last entry; y (n,) is room."""
-    low, high = 0, row.size - 1
-    while high >= 0 and row[high] == 0.0:
-        high -= 1
-    while low < high and row[low] == 0.0:
-        low += 1
-    if high < 0:
-        return 0.0
-    low = columns[starts[low]]  # the root of its tree
-    for j in range(low, high + 1):
-        y[j] = row[j]
-    size = 0.0
-    for j in range(high, low - 1, -1):  # as `half_solve_tree`
-        if y[j] != 0.0:
-            for a in range(starts[j], starts[j] + rows[j] - 1):
-                y[columns[a]] -= factors[a] * y[j]
-            size += y[j] * y[j] / factors[starts[j] + rows[j] - 1]
-    return size
-
-
-@inline_kernel
-def _weights(
-    J: FloatArray, table: IntArray, numbers: FloatArray, factors: FloatArray, rows: IntArray,
-    starts: IntArray, columns: IntArray,
-) -> None:  # fmt: skip
-    """Fill weight and penalties of every block, from the diagonal of J M⁻¹ Jᵀ."""
-    n = rows.size
-    y, top = np.empty(n), 0.0
-    for k in range(table.shape[0]):
-        first = others = total = 0.0
-        for a in range(table[k, 1]):
-            size = _row_weight(J[table[k, 2] + a], factors, rows, starts, columns, y)
-            total += size
-            if a == 0:
-                first = size
-            else:
-                others = max(others, size)
-        numbers[k, 2], numbers[k, 3], numbers[k, 4] = total, first, others
-        top = max(top, total)
-    for k in range(table.shape[0]):
-        numbers[k, 3] = ROW_PENALTY / max(numbers[k, 3], SMALL * top)
-        numbers[k, 4] = ROW_PENALTY / max(numbers[k, 4], SMALL * top)
+def _tell(told: FloatArray, steps: int, error: float, speed: float, tol: float) -> None:
+    """Add what a part's solution was."""
+    told[STEPS] += steps
+    told[ERROR], told[SPEED] = max(told[ERROR], error), max(told[SPEED], speed)
+    told[UNSOLVED] += 0.0 if error <= tol else 1.0
 
 
 @inline_kernel
 def _solve_parts(
-    M: FloatArray, free: FloatArray, J: FloatArray, b: FloatArray, table: IntArray, numbers: FloatArray,
-    part_of_tree: IntArray, tree_of: IntArray, parts: int, tol: float, x: FloatArray, told: FloatArray,
+    M: FloatArray, free: FloatArray, J: FloatArray, b: FloatArray, columns: IntArray, table: IntArray,
+    numbers: FloatArray, part_of_tree: IntArray, tree_of: IntArray, parts: int, tol: float, x: FloatArray,
+    told: FloatArray,
 ) -> None:  # fmt: skip
     """Solve every connected part: x (m,) impulses and free (nv,) velocities are replaced."""
     nv, count = free.size, table.shape[0]
+    if parts == 1 and part_of_tree.min() == 0 and table[:, 3].min() == 0:  # all that moves: nothing to pick
+        used, error, speed = solve_rows(M, free, J, b, columns, table, numbers, tol, x)
+        _tell(told, used, error, speed, tol)
+        return
     dofs, members = np.empty(nv, np.int64), np.empty(count, np.int64)
     for part in range(parts):
         n = few = rows = 0
@@ -139,10 +104,13 @@ def _solve_parts(
                 for j in range(n):
                     own_J[at, j] = J[i, dofs[j]]
                 at += 1
-        used, error, speed = solve_rows(own_M, v, own_J, own_b, own_table, own_numbers, tol, own_x)
-        told[STEPS] += used
-        told[ERROR], told[SPEED] = max(told[ERROR], error), max(told[SPEED], speed)
-        told[UNSOLVED] += 0.0 if error <= tol else 1.0
+        own_columns = np.empty((few, n + 1), np.int64)
+        for c in range(few):
+            find_columns(own_J, own_table[c, 2], own_table[c, 1], own_columns[c])
+        used, error, speed = solve_rows(
+            own_M, v, own_J, own_b, own_columns, own_table, own_numbers, tol, own_x
+        )
+        _tell(told, used, error, speed, tol)
         for i in range(rows):
             x[source[i]] = own_x[i]
         for i in range(n):
@@ -161,7 +129,7 @@ def _push(
         push[j] = 0.0
     own, b, picked = np.empty((m, 4), np.int64), np.empty(m), np.empty(m, np.int64)
     count, worst = violation_rows(floats, at, settings, table, blocks, u, own, b, picked)
-    told[VIOLATION] = worst
+    told[VIOLATION], told[PUSHED] = worst, 0.0
     if not worst > SMALL or settings[SHARE] == 0.0:
         return
     rows, own_numbers = np.empty((count, nv)), np.zeros((count, 6))
@@ -173,21 +141,16 @@ def _push(
             for j in range(nv):
                 rows[c, j] = J[picked[c], j]
             c += 1
-    x, unused = np.zeros(count), np.zeros(6)
+    x, unused, columns = np.zeros(count), np.zeros(6), np.empty((count, nv + 1), np.int64)
+    for c in range(count):
+        find_columns(rows, c, 1, columns[c])
     _solve_parts(
-        M,
-        push,
-        rows,
-        b[:count],
-        own[:count],
-        own_numbers,
-        part_of_tree,
-        tree_of,
-        parts,
-        settings[TOL],
-        x,
-        unused,
-    )
+        M, push, rows, b[:count], columns, own[:count], own_numbers, part_of_tree, tree_of, parts,
+        settings[TOL], x, unused,
+    )  # fmt: skip
+    for j in range(nv):
+        if push[j] != 0.0:
+            told[PUSHED] = 1.0
 
 
 @inline_kernel
@@ -289,35 +252,37 @@ def exact_stage(
     mass = window(floats, fixed[MASS], 1, size)[0]
     for a in range(size):
         columns[a], factors[a] = halves[fixed[COLUMNS] + a], mass[a]
-    J, b, scale, x = np.empty((count, nv)), np.empty(count), np.empty(count), np.empty(count)
-    keys, table, numbers = (
-        np.empty((count, 3), np.int64),
-        np.empty((count, 4), np.int64),
-        np.zeros((count, 6)),
-    )
+    J, vectors, reached = np.zeros((count, nv)), np.empty((4, count)), np.empty((count, nv + 1), np.int64)
+    b, scale, x, u = vectors[0], vectors[1], vectors[2], vectors[3]
+    keys, table = np.empty((count, 3), np.int64), np.empty((count, 4), np.int64)
+    numbers = np.zeros((count, 6))
     restore_margins(floats, halves, at, layout, count, settings, soft)
     blocks = read_blocks(
-        floats, halves, at, layout, count, settings, soft, qvel, J, b, scale, keys, table, numbers
+        floats, halves, at, layout, count, settings, soft, qvel, J, b, scale, keys, reached, table, numbers
     )
-    table, numbers = table[:blocks], numbers[:blocks]
+    reached, table, numbers = reached[:blocks], table[:blocks], numbers[:blocks]
     find_impulses(keys, table, blocks, memory[0], memory[2], memory[1], int(told[LAST]), x)
     _take_softness(floats, at[SOFTNESS], table, scale, x)
     if not factor_tree(factors, rows, starts, columns):
         return -1
-    _weights(J, table, numbers, factors, rows, starts, columns)
+    fill_weights(J, reached, table, numbers, factors, rows, starts, columns)
     for a in range(6):
         told[a] = 0.0
     told[BLOCKS] = blocks
     trees = np.empty(int(fixed[NTREE]), np.int64)
-    parts = count_parts(table, trees, J, tree_of)
+    parts = count_parts(table, trees, reached, tree_of)
     M, v = np.empty((nv, nv)), np.empty(nv)
     start = window(floats, fixed[QVEL] if settings[START] == 0.0 else int(settings[START]), 1, nv)[0]
     _free_motion(floats, fixed, mass, rows, starts, columns, damping, dense, h, start, M, v)
-    _solve_parts(M, v, J, b, table, numbers, trees, tree_of, parts, settings[TOL], x, told)
+    _solve_parts(M, v, J, b, reached, table, numbers, trees, tree_of, parts, settings[TOL], x, told)
     if parts == 0:
         for i in range(count):
             x[i] = 0.0
-    u = J @ v
+    for k in range(blocks):
+        for i in range(table[k, 2], table[k, 2] + table[k, 1]):
+            u[i] = 0.0
+            for c in range(1, reached[k, 0] + 1):
+                u[i] += J[i, reached[k, c]] * v[reached[k, c]]
     _push(floats, at, settings, M, J, table, blocks, u, numbers, trees, tree_of, parts, told, push)
     _write_back(floats, fixed, at, x, J, scale, h, rows, starts, columns, factors)
     _remember(memory, keys, table, x)
@@ -348,7 +313,7 @@ def _free_motion(
     for i in range(n):
         v[i] = h * floats[fixed[QFRC_SMOOTH] + i]
     if dense.shape[0] > 0:
-        order, whole = np.empty(n, np.int64), M.copy()
+        order, whole = np.empty((3, n), np.int64), M.copy()
         if factor_lu(whole, order):
             apply_lu(whole, order, v)
     else:

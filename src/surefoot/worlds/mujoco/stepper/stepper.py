@@ -29,6 +29,7 @@ from surefoot.worlds.mujoco.stepper.stage import (
     ERROR,
     FOREIGN,
     LAST,
+    PUSHED,
     SPEED,
     STAGE_TYPES,
     STEPS,
@@ -324,7 +325,7 @@ class MujocoStepper(Remade, ProblemStepper):
             else:
                 self._soften(data)
                 return
-        self._pushed = bool(self._told[VIOLATION] > 0.0 and self._push.any())
+        self._pushed = self._told[PUSHED] != 0.0
 
     def _inertia(self, data: Any) -> tuple[FloatArray, FloatArray]:
         """Return what the integrator takes implicitly: (nv,) damping, or the (nv, nv) inertia; else none."""
