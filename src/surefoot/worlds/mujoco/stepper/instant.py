@@ -136,8 +136,8 @@ class Evaluation:
             at = find_places(words, stepper._fixed, stepper._arena)
             restore_margins(floats, halves, at, layout, count, settings, soft)
             blocks = read_blocks(
-                floats, halves, at, layout, count, settings, soft, np.array(data.qvel), J, b, scale, keys,
-                columns, table, numbers,
+                floats, halves, at, layout, count, settings, soft, np.array(data.qvel), (J, b, scale),
+                keys, (columns, table, numbers),
             )  # fmt: skip
         return Instant(
             self.h, M, self.h * np.array(data.qfrc_smooth), J, b, np.array(data.efc_pos - data.efc_margin),

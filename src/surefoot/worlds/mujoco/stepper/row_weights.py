@@ -49,7 +49,11 @@ def fill_weights(
     J: FloatArray, reached: IntArray, table: IntArray, numbers: FloatArray, factors: FloatArray,
     rows: IntArray, starts: IntArray, columns: IntArray,
 ) -> None:  # fmt: skip
-    """Fill weight and penalties of every block, from the diagonal of J M⁻¹ Jᵀ."""
+    """Fill weight and penalties in the numbers (k, 6) of every block, from the diagonal of J M⁻¹ Jᵀ.
+
+    J (m, nv), reached (k, nv + 1), table (k, 4): see `surefoot.contact.rows.blocks`; factors of M and where
+    they are: see `factor_tree`.
+    """
     y, sizes, top = np.empty((rows.size, 3)), np.empty(6), 0.0
     for k in range(table.shape[0]):
         _weigh(J, table[k, 2], table[k, 1], reached[k], factors, rows, starts, columns, y, sizes)

@@ -31,8 +31,8 @@ FIRST_BYTE = 8
 @inline_kernel
 def read_blocks(
     floats: FloatArray, halves: IntArray, at: IntArray, layout: IntArray, count: int, settings: FloatArray,
-    soft: FloatArray, qvel: FloatArray, J: FloatArray, b: FloatArray, scale: FloatArray, keys: IntArray,
-    columns: IntArray, table: IntArray, numbers: FloatArray,
+    soft: FloatArray, qvel: FloatArray, rows: tuple[FloatArray, FloatArray, FloatArray], keys: IntArray,
+    blocks: tuple[IntArray, IntArray, FloatArray],
 ) -> int:  # fmt: skip
     """Fill the blocks of `count` rows; return how many there are.
 
@@ -44,14 +44,17 @@ def read_blocks(
         See above; (ngeom,) 1 for geoms whose contacts stay soft.
     qvel
         (nv,) velocities.
-    J, b, scale
-        Filled: (count, nv) the Jacobian, zeros before, with friction rows scaled, b (count,) what closes or
+    rows
+        Filled: J (count, nv) the Jacobian, zeros before, with friction rows scaled, b (count,) what closes or
         moves beside it [m/s], and the scale of each row; of soft blocks b leads to MuJoCo's own law.
     keys
         Filled: (count, 3) what each block is of.
-    columns, table, numbers
-        Filled: see `surefoot.contact.rows.blocks`.
+    blocks
+        Filled: columns (count, nv + 1), table (count, 4) and numbers (count, 6), see
+        `surefoot.contact.rows.blocks`.
     """
+    J, b, scale = rows
+    columns, table, numbers = blocks
     h, i, k = settings[STEP], 0, 0
     source = window(floats, at[JACOBIAN], count, qvel.size)
     while i < count:

@@ -53,7 +53,17 @@ SMALL = 1e-9
 
 
 @inline_kernel
-def _tell(told: FloatArray, steps: int, error: float, speed: float, tol: float) -> None:
+def _fill_speeds(J: FloatArray, reached: IntArray, table: IntArray, v: FloatArray, u: FloatArray) -> None:
+    """Fill u = J v (m,) over the columns that blocks reach."""
+    for k in range(table.shape[0]):
+        for i in range(table[k, 2], table[k, 2] + table[k, 1]):
+            u[i] = 0.0
+            for c in range(1, reached[k, 0] + 1):
+                u[i] += J[i, reached[k, c]] * v[reached[k, c]]
+
+
+@inline_kernel
+def _add_solution(told: FloatArray, steps: int, error: float, speed: float, tol: float) -> None:
     """Add what a part's solution was."""
     told[STEPS] += steps
     told[ERROR], told[SPEED] = max(told[ERROR], error), max(told[SPEED], speed)
@@ -70,7 +80,7 @@ def _solve_parts(
     nv, count = free.size, table.shape[0]
     if parts == 1 and part_of_tree.min() == 0 and table[:, 3].min() == 0:  # all that moves: nothing to pick
         used, error, speed = solve_rows(M, free, J, b, columns, table, numbers, tol, x)
-        _tell(told, used, error, speed, tol)
+        _add_solution(told, used, error, speed, tol)
         return
     dofs, members = np.empty(nv, np.int64), np.empty(count, np.int64)
     for part in range(parts):
@@ -110,7 +120,7 @@ def _solve_parts(
         used, error, speed = solve_rows(
             own_M, v, own_J, own_b, own_columns, own_table, own_numbers, tol, own_x
         )
-        _tell(told, used, error, speed, tol)
+        _add_solution(told, used, error, speed, tol)
         for i in range(rows):
             x[source[i]] = own_x[i]
         for i in range(n):
@@ -258,8 +268,9 @@ def exact_stage(
     numbers = np.zeros((count, 6))
     restore_margins(floats, halves, at, layout, count, settings, soft)
     blocks = read_blocks(
-        floats, halves, at, layout, count, settings, soft, qvel, J, b, scale, keys, reached, table, numbers
-    )
+        floats, halves, at, layout, count, settings, soft, qvel, (J, b, scale), keys,
+        (reached, table, numbers),
+    )  # fmt: skip
     reached, table, numbers = reached[:blocks], table[:blocks], numbers[:blocks]
     find_impulses(keys, table, blocks, memory[0], memory[2], memory[1], int(told[LAST]), x)
     _take_softness(floats, at[SOFTNESS], table, scale, x)
@@ -278,11 +289,7 @@ def exact_stage(
     if parts == 0:
         for i in range(count):
             x[i] = 0.0
-    for k in range(blocks):
-        for i in range(table[k, 2], table[k, 2] + table[k, 1]):
-            u[i] = 0.0
-            for c in range(1, reached[k, 0] + 1):
-                u[i] += J[i, reached[k, c]] * v[reached[k, c]]
+    _fill_speeds(J, reached, table, v, u)
     _push(floats, at, settings, M, J, table, blocks, u, numbers, trees, tree_of, parts, told, push)
     _write_back(floats, fixed, at, x, J, scale, h, rows, starts, columns, factors)
     _remember(memory, keys, table, x)
