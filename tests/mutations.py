@@ -29,6 +29,8 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = Path("src/surefoot")
 PATIENCE, LONGEST = 4.0, 300.0
 """Tests that run this many times as long as without a change, and at least so long [s], have found it."""
+SETTINGS_PAGE = "tests/docs/test_settings_page.py"
+"""Judges what settings are, of all packages: their defaults, ranges, units and sources."""
 NO_TESTS = 5
 """Pytest's exit code where no test has the mark."""
 SWAPS: dict[type[ast.AST], type[ast.AST]] = {
@@ -185,9 +187,14 @@ class Judge:
         return f"{done.returncode}\n{done.stdout}" if done.returncode not in (0, NO_TESTS) else ""
 
     def _ordered(self, one: Mutation) -> list[str]:
-        """Return the files of tests that judge a change, those that name its module first."""
+        """Return the files of tests that judge a change, those that name its module first.
+
+        A file that declares settings is judged by the test of their page as well.
+        """
         files: dict[Path, None] = {}
-        for place in self._places or tests_of(package_of(one.file)):
+        declares = "= setting(" in (self._copy / PACKAGE / one.file).read_text(encoding="utf-8")
+        page = [SETTINGS_PAGE] if declares else []
+        for place in self._places or [*tests_of(package_of(one.file)), *page]:
             path = self._copy / place
             files |= dict.fromkeys(sorted(path.rglob("test_*.py")) if path.is_dir() else [path])
         module = one.file.stem if one.file.stem != "__init__" else one.file.parent.name
