@@ -22,7 +22,7 @@ def show(tables: Iterable[Table], as_json: bool = False, console: Console | None
     if as_json:
         print(json.dumps([cells(table) for table in tables], indent=1, ensure_ascii=False))
         return
-    console = Console() if console is None else console
+    console = Console(markup=False) if console is None else console  # [ms] is a unit
     for table in tables:
         console.print(table)
 

@@ -20,6 +20,7 @@ import numpy as np
 
 import surefoot as sf
 from surefoot.base.arrays import FloatArray
+from surefoot.motion.policy.network import open_network
 from surefoot.worlds.mujoco.spec import import_mujoco
 from surefoot.worlds.transfer.variants import STANDARD
 
@@ -50,7 +51,7 @@ class PlaygroundLoop:
         """Begin a run."""
         self._action, self._next = np.zeros(12), 0.0
 
-    def observation(self, model: Any, data: Any) -> FloatArray:
+    def observation(self, data: Any) -> FloatArray:
         """Return (48,): velocities and gravity in the base's axes, joints, last action, command."""
         turn = data.site("imu").xmat.reshape(3, 3)
         sensors = [data.sensor(name).data for name in ("local_linvel", "gyro")]
@@ -63,7 +64,7 @@ class PlaygroundLoop:
         if data.time >= self._next - 1e-9:
             self._next += PERIOD
             import_mujoco().mj_forward(model, data)
-            self._action = np.asarray(self._infer(self.observation(model, data)), dtype=np.float64)
+            self._action = np.asarray(self._infer(self.observation(data)), dtype=np.float64)
         data.ctrl[:] = HOME + SCALE * self._action
 
 
@@ -98,11 +99,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--seconds", type=float, default=4.0)
     given = parser.parse_args()
-    import onnxruntime
-
-    session = onnxruntime.InferenceSession(str(given.network))
-    name = session.get_inputs()[0].name
-    loop = PlaygroundLoop(lambda seen: session.run(None, {name: seen[None].astype(np.float32)})[0][0])
+    loop = PlaygroundLoop(open_network(given.network))
     report = sf.transfer(
         on_a_floor(given.model), loop, STANDARD, given.seeds, duration=given.seconds, start=standing(),
         success=walked(given.seconds),

@@ -74,11 +74,7 @@ def lowered(motion: Motion) -> Motion:
 
 def accelerations(motion: Motion) -> FloatArray:
     """Return the (T - 2 STEP, 3) accelerations of the centre of mass [m/s²]."""
-    import pinocchio
-
-    model = motion.robot.model
-    data = model.createData()
-    com: FloatArray = np.array([pinocchio.centerOfMass(model, data, q).copy() for q in motion.q])
+    com: FloatArray = np.array([motion.robot.com(q) for q in motion.q])
     change: FloatArray = com[2 * STEP :] - 2.0 * com[STEP:-STEP] + com[: -2 * STEP]
     return change / (STEP / motion.rate) ** 2
 
@@ -115,11 +111,9 @@ def foretell(pieces: Sequence[Piece], seed: int = 0) -> list[Foretold]:
 
 def _rank_correlation(x: FloatArray, y: FloatArray) -> float:
     """Return the rank correlation of two measures of the same pieces, NaN where one of them never changes."""
-    from scipy.stats import rankdata
+    from scipy.stats import spearmanr
 
-    if not np.ptp(x) * np.ptp(y) > 0.0:
-        return np.nan
-    return float(np.corrcoef(rankdata(x), rankdata(y))[0, 1])
+    return float(spearmanr(x, y).statistic) if np.ptp(x) * np.ptp(y) > 0.0 else np.nan
 
 
 def main() -> None:

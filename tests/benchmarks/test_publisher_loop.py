@@ -42,7 +42,7 @@ def test_observations_are_in_the_axes_of_the_base(model: mujoco.MjModel) -> None
     data.qpos[7] += 0.2
     data.qvel[:6], data.qvel[8] = [1.0, 0.0, 0.0, 0.0, 0.3, 0.0], 0.7
     mujoco.mj_forward(model, data)
-    seen = loop.observation(model, data)
+    seen = loop.observation(data)
     np.testing.assert_allclose(seen[:9], [0.0, -1.0, 0.0, 0.0, 0.3, 0.0, 0.0, 0.0, -1.0], atol=1e-9)
     np.testing.assert_allclose(seen[9:21], 0.2 * np.eye(12)[0], atol=1e-12)
     np.testing.assert_allclose(seen[21:33], 0.7 * np.eye(12)[2])

@@ -36,7 +36,9 @@ from .rows.blocks import HELD_ROW as HELD_ROW
 from .rows.blocks import SOFT_ROWS as SOFT_ROWS
 from .rows.blocks import STOP_ROW as STOP_ROW
 from .rows.blocks import count_parts as count_parts
+from .rows.blocks import fill_columns as fill_columns
 from .rows.blocks import find_columns as find_columns
+from .rows.linearised import fill_velocities as fill_velocities
 from .rows.newton import ROW_PENALTY as ROW_PENALTY
 from .sets.kinds import Planar as Planar
 from .solution import ContactSolution as ContactSolution

@@ -5,13 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
-from surefoot.contact import find_columns
-from surefoot.contact.rows.blocks import DIM, FIRST
+from surefoot.contact import fill_columns
 
 
 def columns_of(J: FloatArray, table: IntArray) -> IntArray:
     """Return the (blocks, n + 1) numbers of columns that each block reaches, and which they are."""
     found = np.full((len(table), J.shape[1] + 1), -1, dtype=np.int64)
-    for row, columns in zip(table, found, strict=True):
-        find_columns(J, row[FIRST], row[DIM], columns)
+    fill_columns(J, table, found)
     return found

@@ -212,6 +212,13 @@ def find_columns(J: FloatArray, first: int, dim: int, found: IntArray) -> None:
 
 
 @inline_kernel
+def fill_columns(J: FloatArray, table: IntArray, columns: IntArray) -> None:
+    """Fill the columns (k, n + 1) that each block of a table reaches, see `find_columns`."""
+    for k in range(table.shape[0]):
+        find_columns(J, table[k, FIRST], table[k, DIM], columns[k])
+
+
+@inline_kernel
 def count_parts(table: IntArray, trees: IntArray, columns: IntArray, tree_of: IntArray) -> int:
     """Fill the connected part of every block and of every tree (trees (t,)); return their number.
 

@@ -9,7 +9,7 @@ from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import INTEGER, MATRIX, VECTOR, inline_kernel, kernel, window
 from surefoot.base.numerics.lu_factors import apply_lu, factor_lu
 from surefoot.base.numerics.tree_factor import factor_tree, solve_tree
-from surefoot.contact import SOFT_ROWS, count_parts, find_columns, solve_rows
+from surefoot.contact import SOFT_ROWS, count_parts, fill_columns, fill_velocities, solve_rows
 from surefoot.worlds.mujoco.stepper.row_weights import fill_weights
 from surefoot.worlds.mujoco.stepper.rows import (
     CONTACTS,
@@ -50,16 +50,6 @@ FOREIGN = -2
 """Answer to rows that another model has made."""
 SMALL = 1e-9
 """Violation that is left alone [m, rad]."""
-
-
-@inline_kernel
-def _fill_speeds(J: FloatArray, reached: IntArray, table: IntArray, v: FloatArray, u: FloatArray) -> None:
-    """Fill u = J v (m,) over the columns that blocks reach."""
-    for k in range(table.shape[0]):
-        for i in range(table[k, 2], table[k, 2] + table[k, 1]):
-            u[i] = 0.0
-            for c in range(1, reached[k, 0] + 1):
-                u[i] += J[i, reached[k, c]] * v[reached[k, c]]
 
 
 @inline_kernel
@@ -115,8 +105,7 @@ def _solve_parts(
                     own_J[at, j] = J[i, dofs[j]]
                 at += 1
         own_columns = np.empty((few, n + 1), np.int64)
-        for c in range(few):
-            find_columns(own_J, own_table[c, 2], own_table[c, 1], own_columns[c])
+        fill_columns(own_J, own_table, own_columns)
         used, error, speed = solve_rows(
             own_M, v, own_J, own_b, own_columns, own_table, own_numbers, tol, own_x
         )
@@ -152,8 +141,7 @@ def _push(
                 rows[c, j] = J[picked[c], j]
             c += 1
     x, unused, columns = np.zeros(count), np.zeros(6), np.empty((count, nv + 1), np.int64)
-    for c in range(count):
-        find_columns(rows, c, 1, columns[c])
+    fill_columns(rows, own[:count], columns)
     _solve_parts(
         M, push, rows, b[:count], columns, own[:count], own_numbers, part_of_tree, tree_of, parts,
         settings[TOL], x, unused,
@@ -289,7 +277,7 @@ def exact_stage(
     if parts == 0:
         for i in range(count):
             x[i] = 0.0
-    _fill_speeds(J, reached, table, v, u)
+    fill_velocities(J, np.zeros(count), reached, table, v, u)
     _push(floats, at, settings, M, J, table, blocks, u, numbers, trees, tree_of, parts, told, push)
     _write_back(floats, fixed, at, x, J, scale, h, rows, starts, columns, factors)
     _remember(memory, keys, table, x)
