@@ -36,12 +36,41 @@ def test_lu_factors_of_blocks_and_bands_are_as_wide_as_they_are(band: int) -> No
         kept, order, b = A.copy(), np.zeros((3, n), np.int64), rng.normal(size=n)
         assert factor_lu(kept, order)
         for k in range(n):
-            assert (kept[order[1, k] + 1 :, k] == 0.0).all()
-            assert (kept[: order[2, k], k] == 0.0).all()
-        assert order[1, :9].max() < 9 <= order[2, 9:].min()
+            assert (kept[: order[1, k], k] == 0.0).all()
+            assert (kept[order[2, k] + 1 :, k] == 0.0).all()
+        assert order[2, :9].max() < 9 <= order[1, 9:].min()
         x = b.copy()
         apply_lu(kept, order, x)
         np.testing.assert_allclose(x, np.linalg.solve(A, b), rtol=1e-7, atol=1e-9 * np.abs(x).max())
+
+
+def test_lu_factors_of_a_tree_fill_no_zero() -> None:
+    """Parents first, as MuJoCo and Pinocchio number joints: every branch is done before the trunk."""
+    rng = np.random.default_rng(3)
+    A = np.zeros((18, 18))
+    for leg in range(4):
+        chain = np.concatenate([np.arange(6), 6 + 3 * leg + np.arange(3)])
+        root = rng.normal(size=(9, 9))
+        A[np.ix_(chain, chain)] += root @ root.T + np.eye(9)
+    kept, order, b = A.copy(), np.zeros((3, 18), np.int64), rng.normal(size=18)
+    x = b.copy()
+    assert factor_lu(kept, order)
+    assert (kept[A == 0.0] == 0.0).all()
+    assert (order[0] == np.arange(18)).all()
+    apply_lu(kept, order, x)
+    np.testing.assert_allclose(x, np.linalg.solve(A, b), rtol=1e-9)
+
+
+def test_lu_factors_exchange_rows_where_the_diagonal_is_nothing() -> None:
+    """Entries of the diagonal that are too small to divide by do not spoil the solution."""
+    rng = np.random.default_rng(4)
+    A = rng.normal(size=(12, 12))
+    np.fill_diagonal(A, np.where(np.arange(12) % 2, 1e-13, 0.0))
+    kept, order, b = A.copy(), np.zeros((3, 12), np.int64), rng.normal(size=12)
+    x = b.copy()
+    assert factor_lu(kept, order)
+    apply_lu(kept, order, x)
+    np.testing.assert_allclose(x, np.linalg.solve(A, b), rtol=1e-9)
 
 
 @kernel

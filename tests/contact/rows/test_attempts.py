@@ -61,6 +61,24 @@ def test_two_contacts_of_a_foot_that_nearly_do_the_same() -> None:
     assert missed == 0
 
 
+@pytest.mark.parametrize("mu", [0.5, 50.0])
+def test_impulses_of_a_step_before_need_few_newton_steps(mu: float) -> None:
+    """Four point feet that go on sticking, or sliding: up to three, where a start from nothing takes more."""
+    rng, taken = np.random.default_rng(2), []
+    for _ in range(20):
+        root, J = rng.normal(size=(18, 18)), rng.normal(size=(12, 18))
+        M, v, b = root @ root.T + np.eye(18), rng.normal(size=18), np.zeros(12)
+        table, numbers = _tables([3, 3, 3, 3], mu, J @ np.linalg.solve(M, J.T))
+        columns, forces = columns_of(J, table), np.zeros(12)
+        cold = solve_rows(M, v.copy(), J, b, columns, table, numbers, 1e-8, forces)
+        again = v + 1e-4 * rng.normal(size=18)
+        warm = solve_rows(M, again, J, b, columns, table, numbers, 1e-8, forces)
+        assert max(cold[1], warm[1]) <= 1e-8
+        taken.append((cold[0], warm[0]))
+    cold_steps, warm_steps = np.median(taken, axis=0)
+    assert warm_steps <= 3 < cold_steps
+
+
 def test_sweeps_alone_come_near_whatever_the_rows() -> None:
     """Stops, points and wide contacts: the velocities of the sweeps are close to the exact ones."""
     rng = np.random.default_rng(5)

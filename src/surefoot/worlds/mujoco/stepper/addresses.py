@@ -14,6 +14,7 @@ import numpy as np
 
 from surefoot.base.arrays import IntArray
 from surefoot.worlds.mujoco.memory_places import (
+    FIRST_BYTE,
     PROBE,
     address_of,
     contact_struct,
@@ -68,3 +69,26 @@ def contact_places(mujoco: Any) -> IntArray:
     struct = contact_struct(mujoco)
     fields: Any = struct.fields
     return np.array([struct.itemsize, *(int(fields[name][1]) for name in CONTACT_FIELDS)], dtype=np.int64)
+
+
+@cache
+def option_offsets(mujoco: Any) -> dict[str, int]:
+    """Return how many bytes behind the first each option of a model lies, the first to the last."""
+    return field_offsets(mujoco, "mjOption", "timestep", "disableactuator")
+
+
+def option_words(mujoco: Any, model: Any) -> tuple[int, int]:
+    """Return where a model's options begin, as an index of the view of all words, and how many they are.
+
+    Raises
+    ------
+    ModelError
+        If this MuJoCo keeps its options in another way.
+    """
+    offsets, option = option_offsets(mujoco), model.opt
+    start = address_of(option.gravity) - offsets["gravity"]
+    step = ctypes.c_double.from_address(start).value
+    flags = ctypes.c_int32.from_address(start + offsets["disableflags"]).value
+    if (step, flags) != (option.timestep, option.disableflags):
+        raise unknown_layout(mujoco)
+    return (start - FIRST_BYTE) // 8, offsets["disableactuator"] // 8 + 1

@@ -15,8 +15,9 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.errors import ProblemError
-from surefoot.base.kernels import entry_point, inline_kernel, kernel
+from surefoot.base.kernels import INTEGER, entry_point, inline_kernel, kernel
 from surefoot.worlds.mujoco.memory_places import all_memory, place_of
+from surefoot.worlds.mujoco.stepper.addresses import option_offsets, option_words
 
 FOLLOWED = (
     "body_mass", "body_inertia", "body_ipos", "body_iquat", "body_pos", "body_quat", "body_gravcomp",
@@ -33,8 +34,8 @@ WORDS, HALVES, TABLE = numba.int64[::1], numba.int32[::1], numba.int64[:, ::1]
 TOUCHING = 1e-6
 """Distance up to which contacts and limits touch where MuJoCo solves a step softly [m, rad]. A judgement: far
 above rounding, far below what its contacts sink."""
-OPTIONS = ("timestep", "integrator", "impratio", "density", "viscosity", "tolerance", "iterations")
-"""Options that are followed, beside gravity, wind and the flags."""
+OWN_OPTIONS = ("cone", "jacobian", "solver", "disableflags")
+"""Options that the copies have of their own; all others are followed."""
 
 
 def refuse(mujoco: Any, model: Any) -> None:
@@ -56,28 +57,34 @@ def refuse(mujoco: Any, model: Any) -> None:
 
 
 @kernel
-def follow_changes(words: IntArray, table: IntArray, halves: IntArray, choices: IntArray) -> int:
-    """Copy what differs from one place to another, (n, 3) from, to, number; return how many did.
+def follow_changes(
+    words: IntArray, table: IntArray, halves: IntArray, choices: IntArray, place: int, known: IntArray
+) -> bool:
+    """Copy what differs from one place to two others, (n, 4) from, to, to, number, of whole words and halves.
 
-    The table is of words of 64 bits, the choices are of 32.
+    Returns whether the words from `place` on are those that are known (m,).
     """
-    return _copy_changed(words, table) + _copy_changed(halves, choices)
+    _copy_changed(words, table)
+    _copy_changed(halves, choices)
+    return not _differ(words[place:], known, known.size)
 
 
 @inline_kernel
-def _copy_changed(entries: IntArray, table: IntArray) -> int:
-    changed = 0
+def _differ(one: IntArray, two: IntArray, count: int) -> bool:
+    other = one[0] ^ one[0]
+    for i in range(count):  # without a branch: nearly always nothing has changed
+        other |= one[i] ^ two[i]
+    return bool(other != 0)
+
+
+@inline_kernel
+def _copy_changed(entries: IntArray, table: IntArray) -> None:
     for k in range(table.shape[0]):
-        one, two = entries[table[k, 0] :], entries[table[k, 1] :]
-        other = one[0] ^ one[0]
-        for i in range(table[k, 2]):  # without a branch: nearly always nothing has changed
-            other |= one[i] ^ two[i]
-        if other != 0:
-            for i in range(table[k, 2]):
+        one, two, three = entries[table[k, 0] :], entries[table[k, 1] :], entries[table[k, 2] :]
+        if _differ(one, two, table[k, 3]):
+            for i in range(table[k, 3]):
                 if one[i] != two[i]:
-                    two[i] = one[i]
-                    changed += 1
-    return changed
+                    two[i] = three[i] = one[i]
 
 
 def soft_geoms(model: Any, patterns: Sequence[str]) -> FloatArray:
@@ -120,22 +127,21 @@ class PrivateModel:
         self.model = self._copy()
         self._widen(self.model)
         _, self._words, self._halves = all_memory()
-        rows, choices = list[tuple[int, int, int]](), list[tuple[int, int, int]]()
-        for name in FOLLOWED:
-            source = getattr(original, name)
-            if source.size and source.dtype == np.float64:
-                rows += [(place_of(source), place_of(getattr(m, name)), source.size) for m in self._both]
-        for name in FOLLOWED_CHOICES:
-            source = getattr(original, name)
-            if source.size and source.dtype == np.int32:
-                choices += [(place_of(source), place_of(getattr(m, name)), source.size) for m in self._both]
-        for name in ("gravity", "wind"):
-            source = getattr(original.opt, name)
-            rows += [(place_of(source), place_of(getattr(m.opt, name)), source.size) for m in self._both]
-        self._option, self._known = original.opt, tuple[float, ...]()
-        self._copy_changes = entry_point(follow_changes, WORDS, TABLE, HALVES, TABLE)
-        self._take_options()
-        self._table, self._choices = (np.array(t, dtype=np.int64).reshape(-1, 3) for t in (rows, choices))
+        self._table = self._rows(FOLLOWED, np.float64)
+        self._choices = self._rows(FOLLOWED_CHOICES, np.int32)
+        self._option, count = option_words(mujoco, original)
+        self._known = np.zeros(count, dtype=np.int64)
+        self._copy_changes = entry_point(follow_changes, WORDS, TABLE, HALVES, TABLE, INTEGER, WORDS)
+        self.follow()
+
+    def _rows(self, names: Sequence[str], kind: type) -> IntArray:
+        """Return where arrays of a kind are, in the original and in both copies; see `follow_changes`."""
+        rows = list[tuple[int, ...]]()
+        for name in names:
+            arrays = [getattr(model, name) for model in (self.original, *self._both)]
+            if arrays[0].size and arrays[0].dtype == kind:
+                rows.append((*map(place_of, arrays), arrays[0].size))
+        return np.array(rows, dtype=np.int64).reshape(-1, 4)
 
     @property
     def _both(self) -> tuple[Any, Any]:
@@ -168,28 +174,21 @@ class PrivateModel:
 
     def follow(self) -> None:
         """Take over what was changed in the original since the last step."""
-        if self._options() != self._known:
+        if not self._copy_changes(
+            self._words, self._table, self._halves, self._choices, self._option, self._known
+        ):
             self._take_options()
-        self._copy_changes(self._words, self._table, self._halves, self._choices)
-
-    def _options(self) -> tuple[float, ...]:
-        """Return the options that are followed."""
-        own = self._option
-        return (
-            own.timestep, own.density, own.viscosity, own.integrator, own.disableflags, own.enableflags,
-            own.impratio,
-        )  # fmt: skip
 
     def _take_options(self) -> None:
         """Take over the options of the original."""
         refuse(self._mujoco, self.original)
-        self._known, option = self._options(), self._option
+        option = self.original.opt
         for model in self._both:
             own = model.opt
-            for name in OPTIONS:
+            for name in option_offsets(self._mujoco).keys() - set(OWN_OPTIONS):
                 setattr(own, name, getattr(option, name))
             own.disableflags = int(option.disableflags) | int(self._mujoco.mjtDisableBit.mjDSBL_ISLAND)
-            own.enableflags = option.enableflags
+        self._known[:] = self._words[self._option : self._option + self._known.size]
 
     def damping(self, qvel: FloatArray) -> FloatArray:
         """Return what Euler's method takes implicitly (nv,) [N s/m, N m s/rad]; (0,) for none."""
