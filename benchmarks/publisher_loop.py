@@ -1,17 +1,18 @@
-"""Whether a published walk outlives its own simulator's softness: MuJoCo Playground's Go1, in its own loop.
+"""Whether a published walk outlives its simulator's softness: a policy on its publisher's model and drives.
 
-    python -m benchmarks.publisher_loop GO1.xml POLICY.onnx [--seeds 10] [--seconds 4]
+    python -m benchmarks.publisher_loop ROBOT.xml NETWORK [--spec YAML] [--mu 0.6] [--seeds 10] [--seconds 4]
 
-GO1.xml is the robot as Playground trains it: feet alone touch, steps of 4 ms, one iteration of the solver. A
-floor is put under it (its scene's file is another), and the policy is told 0.5 m/s, observed and driven
-as its publisher does: 50 Hz, targets of position motors half an action about the standing pose. The first
-world of the table is the publisher's; the others have Coulomb's law, stiffer ground, half the step, or
-another friction.
+ROBOT.xml is the robot as its publisher simulates it, with the file's step, solver, shapes and softness. A
+floor is put under one that has none, and meshes that only draw are left out. The policy is told 0.5 m/s and
+observes what its description says, at its own rate; servos get its targets, motors its targets' torques at
+each step of the simulation, as publishers' loops do. The first world of the table is the publisher's; the
+others have Coulomb's law, stiffer ground, half the step, or another friction.
 """
 
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -20,75 +21,117 @@ import numpy as np
 
 import surefoot as sf
 from surefoot.base.arrays import FloatArray
-from surefoot.motion.policy.network import open_network
+from surefoot.base.errors import ProblemError
+from surefoot.motion.control.controller import RobotState
+from surefoot.worlds.mujoco.readings import pinocchio_state
 from surefoot.worlds.mujoco.spec import import_mujoco
 from surefoot.worlds.transfer.variants import STANDARD
 
-HOME = np.tile([0.1, 0.9, -1.8, -0.1, 0.9, -1.8], 2)
-"""Pose that actions are about [rad]."""
-HEIGHT, LOWEST = 0.278, 0.15
-"""Of the base at the start, and of one that has not fallen [m]."""
+LOWEST = 0.5
+"""Share of its first height above which a base has not fallen."""
 SPEED, SHARE = 0.5, 0.5
 """Command [m/s], and the part of its way that a success makes."""
-PERIOD, SCALE, FRICTION = 0.02, 0.5, 0.6
-"""Of observations [s], size of an action [rad], friction of floor and feet."""
 
 
-class PlaygroundLoop:
-    """Sets targets as Playground's own loop does; it counts steps, and is reset before each run.
+class PublisherLoop:
+    """Drives a model as a policy says; it counts steps, and is reset before each run.
 
     Parameters
     ----------
-    infer
-        The network: a (48,) observation to a (12,) action.
+    model
+        MjModel of a robot whose joints have the names of the policy's; each is driven by a motor or a servo.
+    policy
+        What is asked for targets.
+
+    Raises
+    ------
+    ProblemError
+        For a model without a joint of the policy's, or one that nothing drives.
     """
 
-    def __init__(self, infer: Callable[[FloatArray], FloatArray]) -> None:
-        self._infer = infer
-        self.reset()
+    def __init__(self, model: Any, policy: sf.Policy) -> None:
+        mujoco = import_mujoco()
+        self._mujoco, self._policy = mujoco, policy
+        joints = {model.joint(j).name: j for j in range(model.njnt)}
+        lacking = [name for name in policy.spec.joints if name not in joints]
+        if lacking:
+            raise ProblemError(f"the model has no joint {', '.join(lacking)}")
+        driven = {int(model.actuator_trnid[a, 0]): a for a in range(model.nu)}
+        shared = [(k, joints[name]) for k, name in enumerate(policy.robot.joint_names) if name in joints]
+        self._own = np.array([k for k, j in shared if j in driven])
+        chosen = [j for _, j in shared if j in driven]
+        if not set(policy.spec.joints) <= {model.joint(j).name for j in chosen}:
+            raise ProblemError("the model does not drive all of the policy's joints")
+        self._q, self._v = model.jnt_qposadr[chosen], model.jnt_dofadr[chosen]
+        self._actuators = np.array([driven[j] for j in chosen])
+        affine = int(mujoco.mjtBias.mjBIAS_AFFINE)
+        self._rest = np.array(model.qpos0)
+        self._servos = model.actuator_biastype[self._actuators] == affine
+
+    @property
+    def start(self) -> FloatArray:
+        """The (nq,) configuration that a run starts from: the policy's pose; other joints as the model's."""
+        robot, posture = self._policy.robot, self._policy.posture
+        q = self._rest.copy()
+        q[:3], q[3:7] = posture[:3], posture[[6, 3, 4, 5]]
+        q[self._q] = posture[robot.model.nq - robot.joints :][self._own]
+        return q
 
     def reset(self) -> None:
         """Begin a run."""
-        self._action, self._next = np.zeros(12), 0.0
+        self._policy.reset()
 
-    def observation(self, data: Any) -> FloatArray:
-        """Return (48,): velocities and gravity in the base's axes, joints, last action, command."""
-        turn = data.site("imu").xmat.reshape(3, 3)
-        sensors = [data.sensor(name).data for name in ("local_linvel", "gyro")]
-        gravity, joints = turn.T @ [0.0, 0.0, -1.0], data.qpos[7:] - HOME
-        parts = (*sensors, gravity, joints, data.qvel[6:], self._action, [SPEED, 0.0, 0.0])
-        return np.concatenate(parts)
+    def state(self, data: Any) -> RobotState:
+        """Return what the policy sees: joints that the model lacks are where the policy's pose has them."""
+        robot = self._policy.robot
+        base, speed = pinocchio_state(np.array(data.qpos[:7]), np.array(data.qvel[:6]))
+        q, v = self._policy.posture.copy(), np.zeros(robot.model.nv)
+        q[:7], v[:6] = base, speed
+        q[robot.model.nq - robot.joints :][self._own] = data.qpos[self._q]
+        v[robot.base_dof :][self._own] = data.qvel[self._v]
+        return RobotState(q, v, time=float(data.time))
 
     def __call__(self, model: Any, data: Any) -> None:
-        """Set the motors' targets before a step."""
-        if data.time >= self._next - 1e-9:
-            self._next += PERIOD
-            import_mujoco().mj_forward(model, data)
-            self._action = np.asarray(self._infer(self.observation(data)), dtype=np.float64)
-        data.ctrl[:] = HOME + SCALE * self._action
+        """Set the controls before a step."""
+        command = self._policy.step(self.state(data))
+        targets = command.joint_targets
+        if targets is None:
+            raise ProblemError("the policy gave no targets")
+        data.ctrl[self._actuators] = np.where(
+            self._servos, targets.positions[self._own], command.torques[self._own]
+        )
 
 
-def on_a_floor(path: Path) -> Any:
-    """Return the model of the file on a floor, without its meshes, which only draw it."""
+def on_a_floor(path: Path, mu: float) -> Any:
+    """Return the model of the file on a floor, without meshes that only draw it.
+
+    Shapes whose files are not there are left out, too, which is said.
+    """
     mujoco = import_mujoco()
     spec = mujoco.MjSpec.from_file(str(path))
-    drawn = [geom for geom in spec.geoms if geom.type == mujoco.mjtGeom.mjGEOM_MESH]
-    for part in (*drawn, *spec.meshes):
+    kinds, folder = mujoco.mjtGeom, path.parent / spec.meshdir
+    there = {mesh.name for mesh in spec.meshes if (folder / mesh.file).is_file()}
+    meshes = [g for g in spec.geoms if g.type == kinds.mjGEOM_MESH]
+    touching = [g for g in meshes if g.contype or g.conaffinity]
+    kept = [g for g in touching if g.meshname in there]
+    used = {g.meshname for g in kept}
+    if len(kept) < len(touching):
+        lacking = sorted({g.meshname for g in touching} - there)
+        print(f"left out, as their files are missing: shapes {', '.join(lacking)}", file=sys.stderr)
+    for part in (
+        *(g for g in meshes if g not in kept), *(mesh for mesh in spec.meshes if mesh.name not in used)
+    ):  # fmt: skip
         spec.delete(part)
-    floor = spec.worldbody.add_geom(name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0.0, 0.0, 0.01])
-    floor.contype, floor.conaffinity, floor.condim, floor.priority = 1, 0, 3, 1
-    floor.friction = [FRICTION, 0.005, 0.0001]
+    if not any(g.type == kinds.mjGEOM_PLANE for g in spec.geoms):
+        floor = spec.worldbody.add_geom(name="floor", type=kinds.mjGEOM_PLANE, size=[0.0, 0.0, 0.01])
+        floor.contype, floor.conaffinity, floor.condim, floor.priority = 1, 0, 3, 1
+        floor.friction = [mu, 0.005, 0.0001]
     return spec.compile()
 
 
-def standing() -> FloatArray:
-    """Return the (19,) configuration at the start."""
-    return np.concatenate([[0.0, 0.0, HEIGHT, 1.0, 0.0, 0.0, 0.0], HOME])
-
-
-def walked(seconds: float) -> Callable[[Any, Any], bool]:
-    """Return what tells whether a run ended upright, and far enough."""
-    return lambda model, data: bool(data.qpos[2] > LOWEST and data.qpos[0] > SHARE * SPEED * seconds)
+def walked(seconds: float, height: float) -> Callable[[Any, Any], bool]:
+    """Return what tells whether a run from a height ended upright, and far enough."""
+    return lambda model, data: bool(data.qpos[2] > LOWEST * height and data.qpos[0] > SHARE * SPEED * seconds)
 
 
 def main() -> None:
@@ -96,13 +139,20 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n", 1)[0])
     parser.add_argument("model", type=Path)
     parser.add_argument("network", type=Path)
+    parser.add_argument(
+        "--spec", type=Path, default=None, help="description; a YAML beside the network if not"
+    )
+    parser.add_argument("--mu", type=float, default=0.6, help="friction of a floor that is put under it")
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--seconds", type=float, default=4.0)
     given = parser.parse_args()
-    loop = PlaygroundLoop(open_network(given.network))
+    model = on_a_floor(given.model, given.mu)
+    step = float(model.opt.timestep)
+    policy = sf.Policy(given.network, given.spec, command=(SPEED, 0.0, 0.0), dt=step, trust=True)
+    loop = PublisherLoop(model, policy)
     report = sf.transfer(
-        on_a_floor(given.model), loop, STANDARD, given.seeds, duration=given.seconds, start=standing(),
-        success=walked(given.seconds),
+        model, loop, STANDARD, given.seeds, duration=given.seconds, start=loop.start,
+        success=walked(given.seconds, float(loop.start[2])),
     )  # fmt: skip
     print("\n".join(report.table()))
 
