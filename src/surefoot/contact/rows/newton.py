@@ -7,8 +7,8 @@ For impulses λ of the blocks (`blocks`) and velocities v after the step,
 is solved for v by Newton's method, then λ becomes p, until λ stays: the proximal method of multipliers on
 Alart and Curnier's equations. The matrix M + Jᵀ (-∂p/∂u) J has the size of the part, whatever number of rows,
 and a finite ρ lets rows that say the same twice share their load. Penalties begin soft, so that who sticks
-and who slides sorts itself out, and grow while the error falls; where it grows instead, the best impulses
-are taken up again, more softly.
+and who slides sorts itself out, but firm where both tell the same, and grow while the error falls; where it
+grows instead, the best impulses are taken up again, more softly.
 
 Sources: P. Alart, A. Curnier, "A mixed formulation for frictional contact problems prone to Newton like
 solution methods", CMAME 92, 1991; R. T. Rockafellar, "Augmented Lagrangians and applications of the proximal
