@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from surefoot.base.kernels import kernel
-from surefoot.base.numerics.lu_factors import apply_lu, factor_lu
+from surefoot.base.numerics.lu_factors import apply_lu, eliminate_last, factor_lu
 from surefoot.base.numerics.tree_factor import factor_tree, half_solve_tree, solve_tree
 
 
@@ -42,6 +42,23 @@ def test_lu_factors_of_blocks_and_bands_are_as_wide_as_they_are(band: int) -> No
         x = b.copy()
         apply_lu(kept, order, x)
         np.testing.assert_allclose(x, np.linalg.solve(A, b), rtol=1e-7, atol=1e-9 * np.abs(x).max())
+
+
+@pytest.mark.parametrize("kept", [0, 3, 9])
+def test_elimination_of_the_last_columns_leaves_their_schur_complement(kept: int) -> None:
+    """Inertias, not symmetric ones too; what it would have to exchange rows for is refused."""
+    rng, n = np.random.default_rng(kept), 9
+    root = rng.normal(size=(n, n))
+    A = root @ root.T + np.eye(n) + 0.1 * rng.normal(size=(n, n))
+    done = A.copy()
+    assert eliminate_last(done, kept)
+    inner = A[kept:, kept:]
+    schur = A[:kept, :kept] - A[:kept, kept:] @ np.linalg.solve(inner, A[kept:, :kept])
+    np.testing.assert_allclose(done[:kept, :kept], schur, atol=1e-10)
+    for bad in (0.0, 1e-6, np.nan):
+        broken = A.copy()
+        broken[n - 1, n - 1] = bad
+        assert eliminate_last(broken, kept) == (kept == n)
 
 
 def test_lu_factors_of_a_tree_fill_no_zero() -> None:

@@ -3,11 +3,42 @@
 from __future__ import annotations
 
 from surefoot.base.arrays import FloatArray, IntArray
-from surefoot.base.kernels import kernel
+from surefoot.base.kernels import inline_kernel, kernel
 
 KEPT = 1e-3
 """Share of the largest entry of its column at which a diagonal entry stays the pivot [-]: an exchange of rows
 fills zeros. SuperLU's default for matrices of symmetric pattern."""
+
+
+@inline_kernel
+def _eliminate(A: FloatArray, k: int, low: int) -> None:
+    """Take pivot k out of the rows above it, from `low` on; zeros at the row's beginning are passed over."""
+    inverse, first = 1.0 / A[k, k], 0
+    while first < k and A[k, first] == 0.0:
+        first += 1
+    for i in range(low, k):
+        share = A[i, k] * inverse
+        A[i, k] = share
+        if share != 0.0:
+            for j in range(first, k):
+                A[i, j] -= share * A[k, j]
+
+
+@kernel
+def eliminate_last(A: FloatArray, kept: int) -> bool:
+    """Replace A (n, n) by the factors of its columns from `kept` on, before them their Schur complement.
+
+    Nothing is exchanged; False where a pivot is small beside its column.
+    """
+    for k in range(A.shape[0] - 1, kept - 1, -1):
+        low, most = k, 0.0
+        for i in range(k - 1, -1, -1):
+            if A[i, k] != 0.0:
+                low, most = i, max(most, abs(A[i, k]))
+        if not (abs(A[k, k]) > 0.0 and abs(A[k, k]) >= KEPT * most):
+            return False
+        _eliminate(A, k, low)
+    return True
 
 
 @kernel
@@ -35,15 +66,7 @@ def factor_lu(A: FloatArray, order: IntArray) -> bool:
         if pivot != k:
             for j in range(n):
                 A[k, j], A[pivot, j] = A[pivot, j], A[k, j]
-        inverse, first = 1.0 / A[k, k], 0
-        while first < k and A[k, first] == 0.0:
-            first += 1
-        for i in range(low, k):
-            share = A[i, k] * inverse
-            A[i, k] = share
-            if share != 0.0:
-                for j in range(first, k):
-                    A[i, j] -= share * A[k, j]
+        _eliminate(A, k, low)
     for k in range(n):
         low, high = 0, n - 1
         while low < k and A[low, k] == 0.0:

@@ -37,14 +37,27 @@ from surefoot.contact.rows.blocks import (
 def fill_velocities(
     J: FloatArray, b: FloatArray, columns: IntArray, table: IntArray, v: FloatArray, u: FloatArray
 ) -> None:
-    """Fill u = J v + b, row by row over the columns that a block moves; see `find_columns`."""
+    """Fill u = J v + b, over the columns that a block moves; see `find_columns`.
+
+    Three rows at once: one sum would wait for each addition.
+    """
     for k in range(table.shape[0]):
-        few = columns[k, 0]
-        for i in range(table[k, FIRST], table[k, FIRST] + table[k, DIM]):
+        few, i, end = columns[k, 0], table[k, FIRST], table[k, FIRST] + table[k, DIM]
+        while i + 2 < end:
+            first, second, third = b[i], b[i + 1], b[i + 2]
+            for c in range(1, few + 1):
+                j = columns[k, c]
+                first += J[i, j] * v[j]
+                second += J[i + 1, j] * v[j]
+                third += J[i + 2, j] * v[j]
+            u[i], u[i + 1], u[i + 2] = first, second, third
+            i += 3
+        while i < end:
             total = b[i]
             for c in range(1, few + 1):
                 total += J[i, columns[k, c]] * v[columns[k, c]]
             u[i] = total
+            i += 1
 
 
 @inline_kernel
@@ -69,11 +82,11 @@ def fill_residual(
 
 
 @inline_kernel
-def _add_block(
+def add_block(
     J: FloatArray, columns: IntArray, k: int, first: int, dim: int, D: FloatArray, stuck: bool, H: FloatArray,
     rooms: FloatArray,
 ) -> None:  # fmt: skip
-    """Add J_kᵀ D J_k to H, over the columns that the block moves; of one that is stuck D is diagonal.
+    """Add J_kᵀ D J_k to H (n, n), over the columns that the block moves; of one that is stuck D is diagonal.
 
     The rows are gathered first, and a row of the product is added at once: H's own columns are apart.
     """
@@ -91,11 +104,15 @@ def _add_block(
                     for c in range(few):
                         moved[a, c] += D[a, b] * own[b, c]
     for d in range(few):
-        for c in range(few):
-            line[c] = own[0, d] * moved[0, c]
-        for a in range(1, dim):
+        if dim == 3:  # nearly all blocks: one loop for three
             for c in range(few):
-                line[c] += own[a, d] * moved[a, c]
+                line[c] = own[0, d] * moved[0, c] + own[1, d] * moved[1, c] + own[2, d] * moved[2, c]
+        else:
+            for c in range(few):
+                line[c] = own[0, d] * moved[0, c]
+            for a in range(1, dim):
+                for c in range(few):
+                    line[c] += own[a, d] * moved[a, c]
         row = columns[k, d + 1]
         for c in range(few):
             H[row, columns[k, c + 1]] += line[c]
@@ -116,6 +133,23 @@ def evaluate_blocks(
         same = same and mode == modes[k]
         modes[k] = mode
     return same
+
+
+@inline_kernel
+def follow_modes(
+    table: IntArray, numbers: FloatArray, share: float, x: FloatArray, u: FloatArray, p: FloatArray,
+    modes: IntArray,
+) -> None:  # fmt: skip
+    """Fill impulses p (m,) as if the blocks kept their modes: what sticks carries whatever it takes."""
+    for k in range(table.shape[0]):
+        at, end = table[k, FIRST], table[k, FIRST] + table[k, DIM]
+        if modes[k] == STICK and table[k, KIND] != SOFT_ROWS:
+            p[at] = x[at] - share * numbers[k, STIFF] * u[at]
+            for i in range(at + 1, end):
+                p[i] = x[i] - share * numbers[k, STIFF_T] * u[i]
+        elif modes[k] == OPEN:
+            for i in range(at, end):
+                p[i] = 0.0
 
 
 @inline_kernel
@@ -165,7 +199,7 @@ def assemble_matrix(
         )  # fmt: skip
         steady = steady and modes[k] != SLIDE
         stuck = modes[k] == STICK and table[k, KIND] != SOFT_ROWS
-        _add_block(J, columns, k, table[k, FIRST], table[k, DIM], D, stuck, H, rooms)
+        add_block(J, columns, k, table[k, FIRST], table[k, DIM], D, stuck, H, rooms)
     return steady
 
 

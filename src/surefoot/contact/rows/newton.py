@@ -7,8 +7,8 @@ For impulses λ of the blocks (`blocks`) and velocities v after the step,
 is solved for v by Newton's method, then λ becomes p, until λ stays: the proximal method of multipliers on
 Alart and Curnier's equations. The matrix M + Jᵀ (-∂p/∂u) J has the size of the part, whatever number of rows,
 and a finite ρ lets rows that say the same twice share their load. Penalties begin soft, so that who sticks
-and who slides sorts itself out, but firm where both tell the same, and grow while the error falls; where it
-grows instead, the best impulses are taken up again, more softly.
+and who slides sorts itself out, but firm where that can be foretold, and grow while the error falls; where
+it grows instead, the best impulses are taken up again, more softly.
 
 Sources: P. Alart, A. Curnier, "A mixed formulation for frictional contact problems prone to Newton like
 solution methods", CMAME 92, 1991; R. T. Rockafellar, "Augmented Lagrangians and applications of the proximal
@@ -29,6 +29,7 @@ from surefoot.contact.rows.linearised import (
     fill_motion,
     fill_residual,
     fill_velocities,
+    follow_modes,
     free_speed,
     take_impulses,
     worst_error,
@@ -42,11 +43,12 @@ ROW_PENALTY, TOP, SOFTEST = 1e3, 1e2, 1e-3
 """Penalty of a row times its inertia's inverse [-], and the largest and least shares of it that are used
 [-]."""
 FIRM = 0.1
-"""Share to begin with where it and a softer first one tell the same of all blocks, who sticks and who slides:
-where little changes from step to step. A standing Go2 takes 2.5 Newton steps then, and 4.2 without."""
+"""Share to begin with where it and a softer first one tell the same of all blocks, who sticks and who slides,
+or where one Newton step confirms what the softer one tells: where little changes from step to step."""
 UP, DOWN, GRACE = 10.0, 100.0, 3
-"""Factors of the share after a round that was better, and after the rounds without a better error that are
-let go on."""
+"""Factors of the share after a round that was better (twice where that tells the same modes), and after the
+rounds without a better error that are let go on."""
+
 EVEN = 0.3
 """Change of the error below which a round has but passed load between redundant rows [-]."""
 
@@ -108,13 +110,13 @@ def _along(system: System, point: Point, step: FloatArray, room: FloatArray) -> 
 @inline_kernel
 def _settle(
     system: System, share: float, x: FloatArray, point: Point, known: bool, H: FloatArray, order: IntArray,
-    step: FloatArray, before: FloatArray,
+    step: FloatArray, before: FloatArray, patience: int,
 ) -> tuple[int, bool, bool]:  # fmt: skip
     """Take Newton steps for impulses x until the modes stay; return their number, if so, and if H holds."""
     M, free, J, _, columns, table, numbers = system
     v, u, p, modes = point
     products = np.empty((2 * WIDEST + 1, v.size))
-    for turn in range(PATIENCE):
+    for turn in range(patience):
         fill_residual(M, free, J, columns, table, v, p, step)
         if not known:
             known = assemble_matrix(M, J, columns, table, numbers, share, x, u, modes, H, products)
@@ -133,7 +135,7 @@ def _settle(
         known = known and same
         if same:
             return turn + 1, True, known
-    return PATIENCE, False, False
+    return patience, False, False
 
 
 @inline_kernel
@@ -166,19 +168,33 @@ def _scale(system: System, u: FloatArray) -> float:
 
 
 @inline_kernel
-def _first_share(system: System, share: float, x: FloatArray, point: Point) -> float:
-    """Return the share of the penalties to begin with: `FIRM` where it tells the modes of a softer one."""
+def _begin(system: System, share: float, x: FloatArray, point: Point) -> tuple[float, bool]:
+    """Return the share of the penalties to begin with, and whether its modes are but a guess.
+
+    `FIRM` where it tells the modes of a softer one; where it does not, those of the softer one are tried with
+    it: what sticks carries what it takes. One Newton step confirms them, or it is begun softly.
+    """
     _, _, _, _, _, table, numbers = system
     _, u, p, modes = point
-    if share < FIRM and evaluate_blocks(table, numbers, FIRM, x, u, p, modes):
-        return FIRM
+    if share >= FIRM or evaluate_blocks(table, numbers, FIRM, x, u, p, modes):
+        return max(share, FIRM), False
     evaluate_blocks(table, numbers, share, x, u, p, modes)
-    return share
+    follow_modes(table, numbers, FIRM, x, u, p, modes)
+    return FIRM, True
+
+
+@inline_kernel
+def _firmer(system: System, share: float, x: FloatArray, point: Point) -> float:
+    """Return the share after a round that was better: two steps of it at once where the modes stay so."""
+    _, _, _, _, _, table, numbers = system
+    _, u, p, modes = point
+    firm = min(share * UP * UP, TOP)
+    return firm if evaluate_blocks(table, numbers, firm, x, u, p, modes) else min(share * UP, TOP)
 
 
 @inline_kernel
 def _improve(
-    system: System, share: float, bound: float, most: int, point: Point, x: FloatArray, best: FloatArray,
+    system: System, first: float, bound: float, most: int, point: Point, x: FloatArray, best: FloatArray,
     factors: FloatArray, order: IntArray, rooms: FloatArray, u: FloatArray,
 ) -> tuple[int, float]:  # fmt: skip
     """Find impulses from x (m,) with an error up to a bound; return Newton steps and the best's error."""
@@ -186,16 +202,22 @@ def _improve(
     n, step = free.size, rooms[0]
     H, own_order = np.empty((n, n)), np.empty((3, n), np.int64)
     fill_motion(J, columns, table, x, factors, order, free, step, point[0], False)
-    _look(system, share, x, point)
-    share = _first_share(system, share, x, point)
+    _look(system, first, x, point)
+    share, guessed = _begin(system, first, x, point)
     least, done, worse, known = np.inf, 0, 0, False
     while done < most:
-        used, settled, known = _settle(system, share, x, point, known, H, own_order, step, rooms[1])
+        patience = 1 if guessed else PATIENCE
+        used, settled, known = _settle(system, share, x, point, known, H, own_order, step, rooms[1], patience)
         if used == 0:
             break
         done += used
+        if guessed and not settled:
+            guessed, known, share = False, False, first
+            fill_motion(J, columns, table, x, factors, order, free, step, point[0], False)
+            _look(system, share, x, point)
+            continue
+        guessed, worse = False, worse + 1
         error = _judge(system, point, factors, order, step, rooms[2], u)
-        worse += 1
         flat = settled and (1.0 - EVEN) * least < error < (1.0 + EVEN) * least
         if error < least:
             least = error
@@ -210,7 +232,7 @@ def _improve(
         back, before = worse > GRACE, share
         take_impulses(table, best if back else point[2], x)
         if worse == 0 and settled and not flat:
-            share = min(share * UP, TOP)
+            share = _firmer(system, share, x, point)
         elif back or flat or not settled:
             share = max(share / DOWN, SOFTEST)
         if back:
