@@ -16,11 +16,12 @@ must not be given a penalty without bounds."""
 @inline_kernel
 def _weigh(
     J: FloatArray, first: int, dim: int, reached: IntArray, factors: FloatArray, rows: IntArray,
-    starts: IntArray, columns: IntArray, y: FloatArray, sizes: FloatArray,
+    starts: IntArray, columns: IntArray, inverses: FloatArray, y: FloatArray, sizes: FloatArray,
 ) -> None:  # fmt: skip
     """Fill J M⁻¹ Jᵀ of each of a block's rows, over the trees between its first and last column.
 
-    y (n, 3) is room; three rows go down the trees together, as `half_solve_tree` does.
+    inverses (n,) are those of the factors' diagonal, y (n, 3) is room; three rows go down the trees
+    together, as `half_solve_tree` does.
     """
     for a in range(6):
         sizes[a] = 0.0
@@ -39,9 +40,8 @@ def _weigh(
             for c in range(starts[j], last):
                 for a in range(3):
                     y[columns[c], a] -= factors[c] * y[j, a]
-            inverse = 1.0 / factors[last]
             for a in range(3):
-                sizes[start + a] += y[j, a] * y[j, a] * inverse
+                sizes[start + a] += y[j, a] * y[j, a] * inverses[j]
 
 
 @inline_kernel
@@ -55,8 +55,11 @@ def fill_weights(
     they are: see `factor_tree`.
     """
     y, sizes, top = np.empty((rows.size, 3)), np.empty(6), 0.0
+    inverses = np.empty(rows.size)
+    for j in range(rows.size):
+        inverses[j] = 1.0 / factors[starts[j] + rows[j] - 1]
     for k in range(table.shape[0]):
-        _weigh(J, table[k, 2], table[k, 1], reached[k], factors, rows, starts, columns, y, sizes)
+        _weigh(J, table[k, 2], table[k, 1], reached[k], factors, rows, starts, columns, inverses, y, sizes)
         total, others = sizes[0], 0.0
         for a in range(1, table[k, 1]):
             total += sizes[a]
