@@ -215,13 +215,13 @@ def take_impulses(table: IntArray, source: FloatArray, x: FloatArray) -> None:
 @inline_kernel
 def fill_motion(
     J: FloatArray, columns: IntArray, table: IntArray, x: FloatArray, factors: FloatArray, order: IntArray,
-    free: FloatArray, work: FloatArray, v: FloatArray, soft: bool,
+    free: FloatArray, work: FloatArray, v: FloatArray,
 ) -> None:  # fmt: skip
-    """Fill v = v_free + M⁻¹ Jᵀ λ (n,), of soft blocks too if x (m,) has their impulses."""
+    """Fill v = v_free + M⁻¹ Jᵀ λ (n,), of all blocks but soft ones, whose place in x (m,) has no impulses."""
     for i in range(v.size):
         work[i] = 0.0
     for k in range(table.shape[0]):
-        if soft or table[k, KIND] != SOFT_ROWS:
+        if table[k, KIND] != SOFT_ROWS:
             for i in range(table[k, FIRST], table[k, FIRST] + table[k, DIM]):
                 for c in range(1, columns[k, 0] + 1):
                     work[columns[k, c]] += J[i, columns[k, c]] * x[i]

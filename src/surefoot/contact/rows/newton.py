@@ -197,11 +197,14 @@ def _improve(
     system: System, first: float, bound: float, most: int, point: Point, x: FloatArray, best: FloatArray,
     factors: FloatArray, order: IntArray, rooms: FloatArray, u: FloatArray,
 ) -> tuple[int, float]:  # fmt: skip
-    """Find impulses from x (m,) with an error up to a bound; return Newton steps and the best's error."""
+    """Find impulses from x (m,) with an error up to a bound; return Newton steps and the best's error.
+
+    The last of the rooms (4, n) has the velocities that the best make.
+    """
     _, free, J, _, columns, table, numbers = system
     n, step = free.size, rooms[0]
     H, own_order = np.empty((n, n)), np.empty((3, n), np.int64)
-    fill_motion(J, columns, table, x, factors, order, free, step, point[0], False)
+    fill_motion(J, columns, table, x, factors, order, free, step, point[0])
     _look(system, first, x, point)
     share, guessed = _begin(system, first, x, point)
     least, done, worse, known = np.inf, 0, 0, False
@@ -213,7 +216,7 @@ def _improve(
         done += used
         if guessed and not settled:
             guessed, known, share = False, False, first
-            fill_motion(J, columns, table, x, factors, order, free, step, point[0], False)
+            fill_motion(J, columns, table, x, factors, order, free, step, point[0])
             _look(system, share, x, point)
             continue
         guessed, worse = False, worse + 1
@@ -223,6 +226,8 @@ def _improve(
             least = error
             for i in range(best.size):
                 best[i] = point[2][i]
+            for i in range(n):
+                rooms[3, i] = rooms[2, i]
             if least <= bound:
                 break
             worse = 0
@@ -237,7 +242,7 @@ def _improve(
             share = max(share / DOWN, SOFTEST)
         if back:
             worse = 0
-            fill_motion(J, columns, table, x, factors, order, free, step, point[0], False)
+            fill_motion(J, columns, table, x, factors, order, free, step, point[0])
         known = _look(system, share, x, point) and known and share == before
     return done, least
 
@@ -271,7 +276,7 @@ def solve_part(
     n, m, count = v.size, b.size, table.shape[0]
     factors, order, free = M.copy(), np.empty((3, n), np.int64), v.copy()
     modes = np.full(count, -1, np.int64)
-    vectors, rooms = np.empty((4, m)), np.empty((3, n))
+    vectors, rooms = np.empty((4, m)), np.empty((4, n))
     x, u, p, best = vectors[0], vectors[1], vectors[2], vectors[3]
     if not factor_lu(factors, order):
         return 0, np.inf, 0.0
@@ -291,5 +296,9 @@ def solve_part(
     )
     for i in range(m):
         forces[i] = best[i]
-    fill_motion(J, columns, table, best, factors, order, free, rooms[0], v, least < np.inf)
+    if least < np.inf:
+        for i in range(n):
+            v[i] = rooms[3, i]
+    else:
+        fill_motion(J, columns, table, best, factors, order, free, rooms[0], v)
     return done, least / scale, scale
