@@ -204,7 +204,9 @@ def _improve(
     _, free, J, _, columns, table, numbers = system
     n, step = free.size, rooms[0]
     H, own_order = np.empty((n, n)), np.empty((3, n), np.int64)
-    fill_motion(J, columns, table, x, factors, order, free, step, point[0])
+    fill_motion(J, columns, table, x, factors, order, free, step, rooms[3])
+    for i in range(n):
+        point[0][i] = rooms[3, i]
     _look(system, first, x, point)
     share, guessed = _begin(system, first, x, point)
     least, done, worse, known = np.inf, 0, 0, False
@@ -296,9 +298,6 @@ def solve_part(
     )
     for i in range(m):
         forces[i] = best[i]
-    if least < np.inf:
-        for i in range(n):
-            v[i] = rooms[3, i]
-    else:
-        fill_motion(J, columns, table, best, factors, order, free, rooms[0], v)
+    for i in range(n):
+        v[i] = rooms[3, i]
     return done, least / scale, scale
