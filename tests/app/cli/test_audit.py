@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 
 from surefoot.app.cli.main import main
 from tests.records.audit.logs import TROT, changed, log_of
+from tests.worlds.mujoco.strangers import thrown_crate
 
 
 @pytest.fixture(scope="module")
@@ -79,3 +81,16 @@ def test_a_log_without_motion_or_places_is_drawn_too(folder: Path, tmp_path: Pat
     assert main(["audit", str(tmp_path / "contacts.npz"), "--out", str(tmp_path / "runs")]) == 1
     (made,) = (tmp_path / "runs").iterdir()
     assert (made / "timeline.png").exists()
+
+
+def test_a_recording_is_replayed_in_the_model_beside_it_on_trust_alone(tmp_path: Path, printed: Any) -> None:
+    refused = partial(printed, code=2)
+    path = tmp_path / "thrown.npz"
+    thrown_crate(12.0).save(path)
+    assert "thrown.mjb: --trust replays in that" in refused("audit", path, "--replay", "mujoco-exact")
+    said = printed("audit", path, "--replay", "mujoco-exact", "--trust", code=1)
+    assert "the motion is lost in the world mujoco-exact" in said
+    assert "--trust is for the model of a --replay" in refused("audit", path, "--trust")
+    assert "mujoco-exact" in refused("audit", path, "--replay", "rigid", "--trust")
+    (tmp_path / "thrown.mjb").unlink()
+    assert "thrown.mjb cannot be read" in refused("audit", path, "--replay", "mujoco", "--trust")

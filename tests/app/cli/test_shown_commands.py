@@ -37,6 +37,7 @@ from surefoot.records.identification import identify
 from surefoot.worlds.interface.world_names import WORLDS, packages_of
 from tests.records.identification.hopper import write_hopper
 from tests.records.log.test_log_completion import write as write_table
+from tests.worlds.mujoco.strangers import thrown_crate
 
 ROOT = Path(__file__).resolve().parents[3]
 CHECK = runpy.run_path(str(ROOT / "docs" / "check.py"), run_name="check")
@@ -51,7 +52,7 @@ HORIZON = 24
 QUICK_PAGES = (
     "README.md", "tour.md", "first-steps.md", "standing.md", "statics.md", "stance-files.md", "cones.md",
     "momentum.md", "jacobians.md", "contact-files.md", "contact-sequences.md", "translate.md", "audit.md",
-    "lab.md", "regions.md", "why-it-fell.md", "replay.md",
+    "lab.md", "regions.md", "why-it-fell.md", "replay.md", "model-replay.md",
 )  # fmt: skip
 """Pages whose commands take seconds: they run in `make test`, those of the others in `make test-all`."""
 LONG_COMMANDS = ("bench", "plan", "sweep", "walk", "warmup")
@@ -181,6 +182,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     log = CleanRun(duration=0.3).make()
     log["forces"][100:200, 0] *= -1.0
     log.save(place / "fallen.npz")
+    thrown_crate(12.0).save(place / "thrown.npz")
     return place
 
 

@@ -24,7 +24,7 @@ from surefoot.records.identification.force_model import FootForces
 from surefoot.records.identification.toss_errors import TossErrors
 from surefoot.records.identification.toss_fit import Estimate, TossFit
 from surefoot.records.identification.walked_robot import RobotFit
-from surefoot.worlds.replay.replay import ReplayReport, WindowReplay
+from surefoot.worlds.replay.windows import ReplayReport, WindowReplay
 from surefoot.worlds.sweep import SweepResult, sweep_from_dict
 from surefoot.worlds.transfer.transfer import TransferReport, WorldTransfer
 from tests.pickled_values import VALUES

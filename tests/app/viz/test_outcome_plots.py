@@ -22,7 +22,7 @@ from surefoot.app.viz.outcome_plots import (
 from surefoot.app.viz.style import BAD, FOOT_COLOURS, GOOD, INK, MUTED, WARN
 from surefoot.base.errors import ProblemError
 from surefoot.records.audit.contact_times import ContactTimes, FootTimes
-from surefoot.worlds.replay.replay import ReplayReport, WindowReplay
+from surefoot.worlds.replay.windows import ReplayReport, WindowReplay
 from surefoot.worlds.transfer.transfer import TransferReport, WorldTransfer
 from tests.app.viz.drawn_axes import (
     assert_legible,

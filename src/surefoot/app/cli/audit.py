@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -20,12 +20,23 @@ if TYPE_CHECKING:
     from surefoot.mechanics import Robot
     from surefoot.records import Log
     from surefoot.records.audit import AuditReport
-    from surefoot.worlds.replay.replay import ReplayReport
+    from surefoot.worlds.replay.windows import ReplayReport
 
 MOST = 40
 """Rows of a table on the screen and on the page; the JSON has all."""
 SHOWN = 6
 """Columns of a finding on the screen; the page has all."""
+
+Replay = Annotated[
+    str | None,
+    typer.Option(help=f"Replay the motion in another world ({', '.join(WORLDS)}): does it survive there?"),
+]
+Trust = Annotated[
+    bool,
+    typer.Option(
+        "--trust", help="Replay in the whole model beside a recording (.mjb), which MuJoCo reads as it is."
+    ),
+]
 
 
 def audit(
@@ -35,12 +46,8 @@ def audit(
     ],
     *,
     given: LogOptions,
-    replay: Annotated[
-        str | None,
-        typer.Option(
-            help=f"Replay the motion in another world ({', '.join(WORLDS)}): does it survive there?"
-        ),
-    ] = None,
+    replay: Replay = None,
+    trust: Trust = False,
     template: Annotated[
         Path | None,
         typer.Option(help="Judge nothing: write the mapping that is guessed to this new file (- prints it)."),
@@ -58,14 +65,13 @@ def audit(
     Exit code 0 if it is lawful, its task did not fail and it survives its replay; 1 if not; 2 for wrong
     input; 3 if one cannot tell.
     """
-    from surefoot.app.cli.run_files import report_sections, write_page
     from surefoot.records import audit_log
 
     check_out(out)
     if template is not None:
         return _write_template(log, given, template)
     read, whose = given.read(log)
-    again = None if replay is None else _replay(read, replay, whose, given)
+    again = _replay(read, replay, whose, given, log.with_suffix(".mjb"), trust)
     read = given.complete_log(read, whose, replayed=again is not None)
     report = audit_log(read, whose)
     verdicts, facts = [(report.sentence, report.passed)], report.as_dict()
@@ -74,9 +80,7 @@ def audit(
         facts["replay"] = again.as_dict()
     tables = _tables(report, again)
     if checklist:
-        rows = answers(report, read)
-        facts["checklist"] = [dict(zip(ANSWER, row, strict=True)) for row in rows]
-        tables.insert(0, Table("Checklist", ANSWER, rows))
+        tables.insert(0, _checklist(report, read, facts))
     console, lines = plain_console(quiet=as_json), _lines(read, report)
     if as_json:
         print(to_json(facts))
@@ -85,20 +89,38 @@ def audit(
     for line, good in verdicts:
         say_verdict(console, line, good)
     if out is not None:
-        folder = new_run_folder(out, f"audit-{log.stem}")
-        (folder / "audit.json").write_text(to_json(facts) + "\n", encoding="utf-8")
-        pictures = [_story(report, folder), _picture(read, report, folder)]
-        sections = [*pictures, *report_sections(tables, lines)]
-        page = write_page(folder / "report.html", f"Audit of {log.name}", verdicts, sections)
+        page = _write_page(
+            log, new_run_folder(out, f"audit-{log.stem}"), read, report, facts, verdicts, tables, lines
+        )
         say(console, f"report: {page}")
     return report.exit_code or (0 if again is None or again.survives else 1)
 
 
-def _replay(log: Log, world: str, robot: Robot | None, given: LogOptions) -> ReplayReport:
-    """Replay a log in another world, on its own ground or a given one."""
+def _replay(
+    log: Log, world: str | None, robot: Robot | None, given: LogOptions, beside: Path, trust: bool
+) -> ReplayReport | None:
+    """Replay a log in a world, if one is asked for, on its ground, a given one, or in the model beside it."""
     from surefoot.worlds.replay.replay import replay_log
 
-    return replay_log(log, world, robot, given.ground(), given.mu)
+    if world is None:
+        if trust:
+            raise ProblemError("--trust is for the model of a --replay")
+        return None
+    if trust:
+        return replay_log(log, world, robot, given.ground(), given.mu, beside)
+    try:
+        return replay_log(log, world, robot, given.ground(), given.mu)
+    except ProblemError as error:
+        if not beside.exists():
+            raise
+        raise ProblemError(f"{error}; its whole model is in {beside}: --trust replays in that") from error
+
+
+def _checklist(report: AuditReport, log: Log, facts: dict[str, Any]) -> Table:
+    """Return the answers to the ten questions, which join the facts."""
+    rows = answers(report, log)
+    facts["checklist"] = [dict(zip(ANSWER, row, strict=True)) for row in rows]
+    return Table("Checklist", ANSWER, rows)
 
 
 def _write_template(log: Path, given: LogOptions, path: Path) -> int:
@@ -173,6 +195,25 @@ def _lines(log: Log, report: AuditReport) -> list[str]:
     made = [f"computed: {line}" for line in log.facts.get("computed", ())]
     hidden = len(report.violations) - MOST + sum(report.more.values())
     return [*made, *report.notes, *([f"and {hidden} violations more"] if hidden > 0 else [])]
+
+
+def _write_page(
+    path: Path,
+    folder: Path,
+    log: Log,
+    report: AuditReport,
+    facts: dict[str, Any],
+    verdicts: list[tuple[str, bool]],
+    tables: list[Table],
+    lines: list[str],
+) -> Path:
+    """Write audit.json, pictures and the page on the log of a path; return the page."""
+    from surefoot.app.cli.run_files import report_sections, write_page
+
+    (folder / "audit.json").write_text(to_json(facts) + "\n", encoding="utf-8")
+    pictures = [_story(report, folder), _picture(log, report, folder)]
+    sections = [*pictures, *report_sections(tables, lines)]
+    return write_page(folder / "report.html", f"Audit of {path.name}", verdicts, sections)
 
 
 def _story(report: AuditReport, folder: Path) -> tuple[str, str]:

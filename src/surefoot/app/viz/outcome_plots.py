@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from surefoot.mechanics.statics.statics_batch import Verdicts
     from surefoot.records.audit.contact_times import ContactTimes
     from surefoot.records.repairs.repair_motion import Repair
-    from surefoot.worlds.replay.replay import ReplayReport
+    from surefoot.worlds.replay.windows import ReplayReport
     from surefoot.worlds.transfer.transfer import TransferReport
 
 

@@ -92,6 +92,8 @@ _TABLE = (
     Channel("time", (), "s", optional=False, meaning="at the start of each step"),
     Channel("q", ("nq",), "m, rad", "world", meaning="configuration, Pinocchio's order"),
     Channel("v", ("nv",), "m/s, rad/s", "base", meaning="velocity, Pinocchio's order"),
+    Channel("others_q", ("others_nq",), "m, rad", "world", meaning="of what else moves, the engine's order"),
+    Channel("others_v", ("others_nv",), "m/s, rad/s", meaning="of what else moves, the engine's order"),
     Channel("torques", ("joints",), "N m", meaning="applied joint torques"),
     Channel("torques_commanded", ("joints",), "N m", meaning="torques asked for, where motors give less"),
     Channel("forces", ("p", 3), "N", "contact", meaning="ground force on each contact point, as measured"),

@@ -145,6 +145,7 @@ FACTS: dict[str, Fact] = {
     "change_name": Fact("whose", ("changes",), text=True),
     "change_factor": Fact("the new number over the old", ("changes",)),
     "source": Fact("file or program that it comes from", text=True),
+    "source_version": Fact("which version of it, where files of its own are of one version only", text=True),
     "start": Fact("stamp of its first row in the clock of its source [s]"),
     "mapping": Fact("how its channels were made from the source, YAML", text=True),
     "doubts": Fact("what is not plausible in it, see Log.doubts", ("doubts",), text=True),

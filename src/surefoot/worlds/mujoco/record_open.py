@@ -85,9 +85,17 @@ class OpenContacts:
             gap = FAR
         way = segment[3:] - segment[:3]
         size = math.sqrt(float(way @ way))
-        if gap >= FAR or size < 1e-12:
+        if gap >= FAR:
             return self._point(slot), np.array([0.0, 0.0, 1.0]), gap
+        if size < 1e-12:  # they just touch, and what touches later may be far from here
+            return segment[3:], self._plane_normal(other), gap
         return segment[3:], way / (size if gap > 0.0 else -size), gap
+
+    def _plane_normal(self, geom: int) -> FloatArray:
+        """Return the normal of a geom that is a plane, upwards for others."""
+        if int(self._model.geom_type[geom]) != int(self._mujoco.mjtGeom.mjGEOM_PLANE):
+            return np.array([0.0, 0.0, 1.0])
+        return np.array(self._data.geom_xmat[geom].reshape(3, 3)[:, 2])
 
     def _beside(
         self, slot: Slot, partner: int, row: int, points: dict[str, Any]

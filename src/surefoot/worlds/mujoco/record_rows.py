@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
+from surefoot.worlds.mujoco.model_file import model_bytes
 from surefoot.worlds.mujoco.record_capture import RawBlock, RawSteps
 from surefoot.worlds.mujoco.record_contacts import Slots
 from surefoot.worlds.mujoco.record_copy import NO_ROOM
@@ -35,7 +36,7 @@ class RecordedRows:
     """
 
     def __init__(self, mujoco: Any, model: Any, data: Any, tree: BodyTree) -> None:
-        self.model, self._tree = copy(model), tree
+        self._mujoco, self.model, self._tree = mujoco, copy(model), tree
         self.slots = Slots(mujoco, self.model, tree.bodies, tree.mount)
         self.forces = TreeForces(mujoco, self.model, tree)
         self.asked = TorqueDemand(mujoco, self.model, tree)
@@ -70,6 +71,12 @@ class RecordedRows:
         self._done += raw.count
         self._worked = 0
         raw.clear()
+
+    def first_model_file(self) -> bytes:
+        """Return the model as it was at the start, as MuJoCo's binary file."""
+        first = copy(self.model)
+        self.watch.restore(0, first)
+        return model_bytes(self._mujoco, first)
 
     def _end_of_block(self) -> int:
         """Return the end of the next rows with one scheme and one version of the model."""

@@ -10,8 +10,8 @@ from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.errors import ModelError, ProblemError, unknown_name
 from surefoot.base.spatial import quaternion_xyzw, rotation_from_quaternion
 
-_WIDTHS = {"free": 6, "ball": 3, "one": 1}
-"""Velocities of a joint."""
+_SIZES = {"free": (7, 6), "ball": (4, 3), "one": (1, 1)}
+"""Positions and velocities of a joint."""
 UNNAMED = "MuJoCo Model"
 """What MuJoCo calls a model without a name."""
 
@@ -68,6 +68,8 @@ class BodyTree:
         Roots of the other bodies that move.
     joint_dofs, dofs
         Numbers of its hinges and slides, and of all its degrees of freedom in MuJoCo, in the log's order.
+    other_places, other_dofs
+        Places in MuJoCo's positions, and velocities, of what else moves in the model.
     base, unpowered
         Of those, its root's joints'; and which of them no hinge or slide of the log is: 1, else 0.
     free
@@ -123,8 +125,11 @@ class BodyTree:
                 self.joint_names.append(str(model.joint(j).name) or f"joint {j}")
                 self.joint_dofs.append(self._plan[-1][2])
         self.joints = len(self.joint_dofs)
-        dofs = [dof + k for kind, _, dof in self._plan for k in range(_WIDTHS[kind])]
+        dofs = [dof + k for kind, _, dof in self._plan for k in range(_SIZES[kind][1])]
         self.dofs = np.array(dofs, dtype=np.int64)
+        places = [at + k for kind, at, _ in self._plan for k in range(_SIZES[kind][0])]
+        self.other_places = np.setdiff1d(np.arange(model.nq), places)
+        self.other_dofs = np.setdiff1d(np.arange(model.nv), dofs)
         own = [j for j in range(model.njnt) if int(model.jnt_bodyid[j]) == root]
         self._roots = [(int(model.jnt_type[j]), j, int(model.jnt_dofadr[j])) for j in own]
         bodies = model.dof_bodyid[self.dofs]
@@ -176,7 +181,7 @@ class BodyTree:
         for kind, _, _ in self._plan:
             if kind == "free":
                 out[:, place : place + 3] = np.einsum("tji,tj->ti", at.xmat, out[:, place : place + 3])
-            place += _WIDTHS[kind]
+            place += _SIZES[kind][1]
         return out
 
     def torques(self, actuators: FloatArray, applied: FloatArray) -> FloatArray:
@@ -208,3 +213,17 @@ class BodyTree:
             q.append(quaternion)
             v.append(qvel[:, dof : dof + 3])
         return np.hstack(q), np.hstack(v)
+
+    def fill_mujoco(self, q: FloatArray, v: FloatArray, qpos: FloatArray, qvel: FloatArray) -> None:
+        """Write (T, nq), (T, nv) of `pinocchio` into (T, nq), (T, nv) of the whole model, in its order."""
+        have = have_dof = 0
+        for kind, at, dof in self._plan:
+            places, rates = _SIZES[kind]
+            here, mine = q[:, have : have + places], v[:, have_dof : have_dof + rates]
+            have, have_dof = have + places, have_dof + rates
+            qpos[:, at : at + places], qvel[:, dof : dof + rates] = here, mine
+            if kind != "one":
+                qpos[:, at + places - 4 : at + places] = np.roll(here[:, -4:], 1, axis=1)
+            if kind == "free":
+                R = rotation_from_quaternion(here[:, 3:])
+                qvel[:, dof : dof + 3] = np.einsum("tij,tj->ti", R, mine[:, :3])

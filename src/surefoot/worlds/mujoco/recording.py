@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import ExitStack
+from pathlib import Path
 from types import TracebackType
 from typing import Any, overload
 
@@ -17,8 +18,10 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
+from surefoot.base.text_files import path_of
 from surefoot.records import Ending, Log, find_doubts
 from surefoot.worlds.mujoco.environment_data import model_and_data
+from surefoot.worlds.mujoco.model_file import check_model_file, model_path, write_model_file
 from surefoot.worlds.mujoco.mujoco_world import import_mujoco
 from surefoot.worlds.mujoco.record_capture import Scheme
 from surefoot.worlds.mujoco.record_copy import NO_STEP
@@ -149,6 +152,32 @@ class Recording(Log):
             self._raw.start_from_last()
             self.end_step(None)
 
+    def save(self, path: Path | str, *, model: bool = True) -> Path:
+        """Write to a new file, and the model as it was at the start beside it; see `Log.save`.
+
+        Parameters
+        ----------
+        path
+            Of the log; the model is MuJoCo's own binary file, the same name with the suffix .mjb, which its
+            own version of MuJoCo alone reads. `surefoot.replay_log` takes it, and nothing else opens it.
+        model
+            Whether the model is written.
+
+        Raises
+        ------
+        ProblemError
+            If one of the files exists already, but for one that holds this very model.
+        WriteError
+            If the disk has no room.
+        """
+        if not model:
+            return super().save(path)
+        content, beside = self._rows.first_model_file(), model_path(path_of(path))
+        check_model_file(beside, content)
+        saved = super().save(path)
+        write_model_file(beside, content)
+        return saved
+
     def _finish(self, ending: Ending, error: str) -> None:
         """Become the log of the rows so far."""
         tree, rows, slots = self._tree, self._rows, self._rows.slots
@@ -161,11 +190,14 @@ class Recording(Log):
         self._leave_out_empty_channels(arrays)
         arrays |= points
         arrays["q"], arrays["v"] = tree.pinocchio(q, v)
+        if tree.other_places.size:
+            arrays["others_q"], arrays["others_v"] = q[:, tree.other_places], v[:, tree.other_dofs]
         friction = arrays["contact_friction"]
         if friction.size and (friction == friction[0, 0]).all():
             arrays["mu"] = friction[:, 0]
         facts = {
             "source": "MuJoCo",
+            "source_version": str(self._mujoco.__version__),
             "kind": "recording",
             "outcome": str(ending),
             "mass": tree.mass,

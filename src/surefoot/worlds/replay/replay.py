@@ -9,132 +9,28 @@ world holds: else it is the tracking that fails, and one cannot tell.
 
 from __future__ import annotations
 
-import math
-from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import Any
 
 import numpy as np
 
-from surefoot.base.arrays import FloatArray
-from surefoot.base.drawn import Drawn
-from surefoot.base.errors import ProblemError, SimulationError
-from surefoot.base.spatial import rotation_from_quaternion
+from surefoot.base.errors import ProblemError, SimulationError, located
 from surefoot.mechanics import Robot, Terrain
 from surefoot.motion import Command, Controller, RobotState
-from surefoot.records import Ending, Log, audit_log, read_log
+from surefoot.records import Log, read_log
 from surefoot.worlds.interface.world_names import WORLDS, make_world
+from surefoot.worlds.replay.model_replay import replay_model
 from surefoot.worlds.replay.replay_task import ReplayTask, replay_task
+from surefoot.worlds.replay.windows import (
+    WINDOW,
+    ReplayReport,
+    WindowReplay,
+    judge_window,
+    pieces_of,
+    report_of,
+)
 from surefoot.worlds.running.run import run
 from surefoot.worlds.running.scenario import Fall, Ice, Push, Scenario
-
-WINDOW = 1.0
-"""Time after which the replay starts again from the log's state [s]."""
-PROGRESS = 0.8
-"""Share of the log's way that a replay must make."""
-TILT = math.radians(15.0)
-"""Tilt beyond the log's that a replay may show [rad]."""
-DRIFT = 0.25
-"""A window may end away from the log by this share of the base's height and of the log's way."""
-LEAST_WAY = 0.1
-"""A log whose windows move the base by less in all has no way to lose [m]."""
-
-Survival: TypeAlias = Literal["survives", "lost", "cannot tell"]
-"""Every window holds in the other world; one is lost there and holds in the log's own; neither."""
-
-
-@dataclass(frozen=True)
-class WindowReplay:
-    """What became of one window in one world.
-
-    Attributes
-    ----------
-    start, end
-        In the log's time [s]; `end` is where it fell if it did.
-    outcome
-        "done", "fell" or "invalid".
-    way
-        Of the base over the ground along the log's own, and the log's [m].
-    logged_way
-        The log's own [m].
-    tilt
-        Largest lean of the base against the log's at the same time [rad].
-    drift
-        Distance of the base from the log's at the end [m].
-    broken
-        Laws that were broken there, with their worst.
-    lost
-        Why it does not hold; empty where it does.
-    """
-
-    start: float
-    end: float
-    outcome: str
-    way: float
-    logged_way: float
-    tilt: float
-    drift: float
-    broken: tuple[str, ...]
-    lost: str
-
-
-@dataclass(frozen=True, repr=False)
-class ReplayReport(Drawn):
-    """Whether a log's success survives in another world.
-
-    Attributes
-    ----------
-    world, own
-        Names of the worlds; `own` is empty where the log's own is not known here.
-    verdict
-        "survives", "lost" or "cannot tell".
-    reason
-        Why, in a line.
-    windows, own_windows
-        In the other world, and in the log's own where that was needed.
-    logs
-        Of the windows in the other world.
-    """
-
-    world: str
-    own: str
-    verdict: Survival
-    reason: str
-    windows: tuple[WindowReplay, ...]
-    own_windows: tuple[WindowReplay, ...]
-    logs: tuple[Log, ...] = field(repr=False, default=())
-
-    def __repr__(self) -> str:
-        return f"ReplayReport({self.world!r}, {self.verdict!r}, {len(self.windows)} windows)"
-
-    def __str__(self) -> str:
-        return self.sentence[0].upper() + self.sentence[1:300] + "."
-
-    @property
-    def survives(self) -> bool:
-        """Whether the verdict says so."""
-        return self.verdict == "survives"
-
-    @property
-    def progress(self) -> float:
-        """Ratio of the way in the other world to the log's; NaN for a log that goes nowhere."""
-        return _progress(self.windows)
-
-    @property
-    def sentence(self) -> str:
-        """The verdict in a sentence."""
-        said = {
-            "survives": f"the success survives in the world {self.world}",
-            "lost": f"the success is lost in the world {self.world}",
-            "cannot tell": f"one cannot tell whether the success survives in the world {self.world}",
-        }
-        return f"{said[self.verdict]}: {self.reason}"
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return everything but the logs, for JSON."""
-        own = {"sentence": self.sentence, "world": self.world, "own": self.own, "verdict": self.verdict}
-        rows = {"windows": self.windows, "own_windows": self.own_windows}
-        return {**own, "reason": self.reason, **{k: [asdict(w) for w in ws] for k, ws in rows.items()}}
 
 
 def replay_log(
@@ -143,6 +39,7 @@ def replay_log(
     robot: Robot | None = None,
     terrain: Terrain | None = None,
     mu: float | None = None,
+    model: Any = None,
 ) -> ReplayReport:
     """Replay a log's joint motion and torques in another world and tell whether its success survives.
 
@@ -161,32 +58,40 @@ def replay_log(
     robot, terrain, mu
         None for the log's own: the facts ``robot`` and ``terrain``, the channel ``mu`` [-]. Others ask
         whether the success survives there.
+    model
+        Of a recording: the MjModel of its loop, or the .mjb file beside it, which MuJoCo reads as it is (ask
+        for files that you trust). The motion of anything in it is replayed, on all that it holds, from
+        the log's states as they are; worlds are "mujoco" and "mujoco-exact".
 
     Raises
     ------
     ProblemError
-        In one line, for a log that lacks what a replay needs.
+        In one line, for a log that lacks what a replay needs, or a model that is not the log's.
     MissingExtra
         If the world's engine is not installed.
     """
     log = log if isinstance(log, Log) else read_log(log)
+    if model is not None:
+        if not (robot is None and terrain is None and mu is None):
+            raise ProblemError("robot, terrain and mu are the model's own where a model is given")
+        with located("the log cannot be replayed in its model"):
+            return replay_model(log, world, model)
     task = replay_task(log, robot, terrain, mu)
     make_world(world, task.robot, task.terrain, float(task.mu[0]))  # refused before any work, if it cannot be
     own = _own_world(log)
     fallen = _fall_of_the_log(task)
     if fallen:
         return ReplayReport(world, own, "cannot tell", fallen, (), ())
-    pieces = _pieces(len(task.time), max(2, round(WINDOW / (task.dt * task.steps))))
+    pieces = pieces_of(len(task.time), task.dt * task.steps, WINDOW)
     made = [_replay(task, world, *piece) for piece in pieces]
-    windows, logs = tuple(w for w, _ in made), tuple(log for _, log in made)
-    if not any(w.lost for w in windows) and not _progress(windows) < PROGRESS:
-        return ReplayReport(world, own, "survives", _summary(windows), windows, (), logs)
-    compared: tuple[WindowReplay, ...] = ()
-    at_home = _at_home(log, task, robot, terrain, mu)
-    if own and (own != world or at_home is not task):
-        compared = tuple(_replay(at_home, own, *piece)[0] for piece in pieces)
-    verdict, reason = _compare(windows, compared, own)
-    return ReplayReport(world, own, verdict, reason, windows, compared, logs)
+
+    def replay_at_home() -> tuple[WindowReplay, ...]:
+        at_home = _at_home(log, task, robot, terrain, mu)
+        if not own or (own == world and at_home is task):
+            return ()
+        return tuple(_replay(at_home, own, *piece)[0] for piece in pieces)
+
+    return report_of(world, own, made, replay_at_home)
 
 
 def _at_home(
@@ -217,12 +122,6 @@ def _fall_of_the_log(task: ReplayTask) -> str:
         if Fall().happened(task.q[row], height, task.terrain) is not None:
             return f"the robot falls in the log itself, at {task.time[row]:.3f} s"
     return ""
-
-
-def _pieces(rows: int, length: int) -> list[tuple[int, int]]:
-    """Return (first, last) rows of the windows; a short rest belongs to the last."""
-    starts = list(range(0, max(rows - length // 2, 1), length))
-    return list(zip(starts, [*starts[1:], rows], strict=True))
 
 
 class ReplayTracking(Controller):
@@ -261,70 +160,8 @@ def _replay(task: ReplayTask, name: str, first: int, last: int) -> tuple[WindowR
         log = run(world, ReplayTracking(task, first, last), scenario)
     except SimulationError as error:
         raise ProblemError(f"the replay cannot begin at {start:.3f} s: {error}") from error
-    outcome, end = str(log.facts["outcome"]), start + float(log["time"][-1])
     seen = log["q"][:: task.steps]
     logged = task.q[first : first + len(seen)]
-    planned = logged[-1, :2] - logged[0, :2]
-    moved, length = log["q"][-1, :2] - log["q"][0, :2], float(np.linalg.norm(planned))
-    tilt, way = _lean(seen, logged), float(moved @ planned) / length if length > 0.0 else 0.0
-    drift = float(np.linalg.norm(log["q"][-1, :3] - logged[-1, :3]))
-    report = audit_log(log, task.robot)
-    first_of = {v.law: str(v) for v in reversed(report.violations)}
-    broken = tuple(first_of[law] for law in report.laws_broken)
-    lost = _failure_reason(outcome, end, tilt, broken)
     height = float(task.q[first, 2] - task.terrain.height(task.q[first, :2]))
-    if not lost and drift > DRIFT * (abs(height) + length):
-        lost = f"it is {drift:.2f} m from the log at {end:.3f} s"
-    return WindowReplay(start, end, outcome, way, length, tilt, drift, broken, lost), log
-
-
-def _failure_reason(outcome: str, end: float, tilt: float, broken: tuple[str, ...]) -> str:
-    """Return the reason why a window's replay fails; empty where it does not."""
-    if outcome != Ending.DONE:
-        return f"it {'falls' if outcome == Ending.FELL else 'cannot go on'} at {end:.3f} s"
-    if tilt > TILT:
-        return f"it leans {math.degrees(tilt):.0f} deg more than the log before {end:.3f} s"
-    return f"it breaks {broken[0]}" if broken else ""
-
-
-def _lean(q: FloatArray, logged: FloatArray) -> float:
-    """Return the largest angle between the bases' vertical axes over rows [rad]."""
-    ups = [rotation_from_quaternion(part[:, 3:7])[:, :, 2] for part in (q, logged[: len(q)])]
-    chord = np.linalg.norm(ups[0] - ups[1], axis=1)
-    return float(2.0 * np.arcsin(min(0.5 * float(chord.max(initial=0.0)), 1.0)))
-
-
-def _progress(windows: tuple[WindowReplay, ...]) -> float:
-    logged = sum(w.logged_way for w in windows)
-    return sum(w.way for w in windows) / logged if logged >= LEAST_WAY else math.nan
-
-
-def _summary(windows: tuple[WindowReplay, ...]) -> str:
-    """Return what all windows have in common, in a line."""
-    share, count = _progress(windows), len(windows)
-    way = "" if math.isnan(share) else f", {100.0 * share:.0f} % of the log's way"
-    lean = math.degrees(max(w.tilt for w in windows))
-    drift = max(w.drift for w in windows)
-    return (
-        f"{count} window{'s' if count > 1 else ''} without a fall or a broken law{way}, at most {lean:.1f} "
-        f"deg of lean and {drift:.3f} m from the log"
-    )
-
-
-def _compare(
-    windows: tuple[WindowReplay, ...], own: tuple[WindowReplay, ...], name: str
-) -> tuple[Survival, str]:
-    """Return the verdict on windows of which one at least does not hold, by those in the log's own world."""
-    failed = [k for k, w in enumerate(windows) if w.lost]
-    if not own:
-        why = windows[failed[0]].lost if failed else f"it makes {100.0 * _progress(windows):.0f} % of the way"
-        rest = "that is the log's own world" if name else "the log's own world is not here to compare"
-        return "cannot tell", f"{why}, and {rest}"
-    for k in failed:
-        if not own[k].lost:
-            return "lost", f"{windows[k].lost}; in the log's own world ({name}) the same replay holds"
-    if not failed and not _progress(own) < PROGRESS:
-        shares = f"{100.0 * _progress(windows):.0f} % of the log's way, {100.0 * _progress(own):.0f} %"
-        return "lost", f"it makes {shares} in the log's own world ({name})"
-    why = f"in the log's own world ({name}) the same replay fails too"
-    return "cannot tell", f"{why}: {next((w.lost for w in own if w.lost), 'it lags behind')}"
+    outcome = str(log.facts["outcome"])
+    return judge_window(start, outcome, seen[:, :7], logged[:, :7], height, log, task.robot), log

@@ -88,7 +88,7 @@ def _task(log: Log, robot: Robot | None, terrain: Terrain | None, mu: float | No
         raise ProblemError(f"{robot.name} is bolted to the world or has no feet")
     q, v, torques = _motion(log, robot)
     time = np.asarray(log["time"], dtype=np.float64)
-    row, steps = _clock(time)
+    row, steps = row_clock(time)
     push = np.asarray(log["push"]) if "push" in log else np.zeros((len(time), 3))
     friction = _friction(log, mu, len(time))
     for name, values in {"q": q, "v": v, "torques": torques, "push": push, "mu": friction}.items():
@@ -145,8 +145,8 @@ def _motion(log: Log, robot: Robot) -> tuple[FloatArray, FloatArray, FloatArray]
     return q, v, torques
 
 
-def _clock(time: FloatArray) -> tuple[float, int]:
-    """Return the time from row to row [s] and the world's steps in it."""
+def row_clock(time: FloatArray) -> tuple[float, int]:
+    """Return the time from row to row of (T,) times [s], and the world's steps in it."""
     gaps = np.diff(time)
     if len(gaps) < 2:
         raise ProblemError("it has fewer than three rows")

@@ -11,6 +11,7 @@ from surefoot.records.audit.story import (
     counterfactuals,
     gait_causes,
     sensor_causes,
+    soft_causes,
     world_causes,
 )
 from surefoot.records.audit.story.sign import Sign
@@ -40,6 +41,8 @@ class Rule:
         Whether nothing that the robot does can bring it about: it is no consequence of another cause.
     leads
         Whether its first sign comes late: what begins as soon before it counts as its consequence.
+    acts
+        Whether only what has joints can bring it about.
     residual
         Whether it is told only by what it leads to: it is a cause where no other is.
     dear
@@ -57,6 +60,7 @@ class Rule:
     alone: bool = True
     outside: bool = False
     leads: bool = False
+    acts: bool = False
     residual: bool = False
     dear: bool = False
     without: Callable[[Signals, Sign, Event], counterfactuals.Without | None] | None = None
@@ -87,7 +91,7 @@ RULES = (
     Rule(
         "weak actuator", control_causes.weak, "it gives what is asked for within its limits",
         "check the drive; make the controller stop, or walk without it", outside=True,
-        without=counterfactuals.without_limit,
+        without=counterfactuals.without_limit, acts=True,
     ),
     Rule(
         "slope too steep", world_causes.slope, "friction holds on that tilt",
@@ -105,61 +109,63 @@ RULES = (
         outside=True,
     ),
     Rule(
-        "soft contact", world_causes.soft, "no contact goes deeper than shoes would",
+        "soft contact", soft_causes.soft, "no contact goes deeper than shoes would",
         "stiffer contact (solref, solimp) and a shorter time step", outside=True,
     ),
     Rule(
         "self-collision", world_causes.self_collision, "no links touch",
         "keep links apart in the targets, or leave the pair out of collision if the model is wrong",
-        leads=True,
+        leads=True, acts=True,
     ),
     Rule(
         "chattering gains", control_causes.chatter, "torques do not alternate",
-        "lower the gains, or the time step; damping below the mass over the time step", leads=True,
+        "lower the gains, or the time step; damping below the mass over the time step", leads=True, acts=True,
     ),
     Rule(
         "delayed control", control_causes.delay, "torques answer the state of their own row",
         "use the newest measurement; lower the gains for the delay that is left", outside=True, dear=True,
+        acts=True,
     ),
     Rule(
         "saturated actuator", control_causes.saturation, "no torque is at its limit for long",
-        "slower or smaller motions, or stronger motors", without=counterfactuals.without_limit,
+        "slower or smaller motions, or stronger motors", without=counterfactuals.without_limit, acts=True,
     ),
     Rule(
         "impossible command", control_causes.impossible, "the speed is possible, and no joint is at its stop",
-        "ask for what is within reach", alone=False,
+        "ask for what is within reach", alone=False, acts=True,
     ),
     Rule(
         "foot placement", gait_causes.placement, "feet land where and when they have landed so far",
-        CATCH, alone=False,
+        CATCH, alone=False, acts=True,
     ),
     Rule(
         "foot placement", gait_causes.late_catch, "the capture point stays within the feet", CATCH,
-        alone=False, residual=True,
+        alone=False, residual=True, acts=True,
     ),
     Rule(
         "slow gait", gait_causes.tips, "each stance is shorter than the time to tip", "a shorter period",
-        alone=False,
+        alone=False, acts=True,
     ),
     Rule(
         "slow gait", gait_causes.slow, "the body's way in a stance is within the legs' reach",
-        "a shorter period for this speed", alone=False, residual=True,
+        "a shorter period for this speed", alone=False, residual=True, acts=True,
     ),
     Rule(
         "wrong mass", sensor_causes.wrong_mass, "at rest the feet carry the weight and no more",
         "give the controller the mass and the centre of mass that there are", alone=False, outside=True,
+        acts=True,
     ),
     Rule(
         "sensor bias", sensor_causes.bias, "torques change with the motion", CALIBRATE, outside=True,
-        leads=True,
+        leads=True, acts=True,
     ),
     Rule(
         "sensor bias", sensor_causes.drift, "the body is not driven to one side from the start", CALIBRATE,
-        alone=False, residual=True,
+        alone=False, residual=True, acts=True,
     ),
     Rule(
         "impossible command", sensor_causes.led_out, "the body stays within its feet",
-        "ask for what is within reach", alone=False, residual=True,
+        "ask for what is within reach", alone=False, residual=True, acts=True,
     ),
 )  # fmt: skip
 

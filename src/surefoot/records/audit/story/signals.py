@@ -128,6 +128,11 @@ class Signals:
         return bool(free_base(np.asarray(log["q"][:1]), np.asarray(log["v"][:1]), unit))
 
     @cached_property
+    def jointless(self) -> bool:
+        """Whether it is one free body, which nothing but its contacts moves."""
+        return self.free and self.numbers("q").shape[1] == 7
+
+    @cached_property
     def lean(self) -> FloatArray:
         """(T,) angle of the base's up axis from where it was at first [rad]; zero without a free base."""
         if self.plane_turn is not None:

@@ -56,7 +56,7 @@ def story_of(
         return Story((_event(cause),), (cause,), failed)
     cheap = [rule for rule in RULES if not rule.dear and (rule.alone or rule.outside)]
     rules = RULES if failed is not None or s.bolted else cheap
-    found = [(rule, sign) for rule in rules for sign in rule.find(s)]
+    found = [(rule, sign) for rule in rules if not (rule.acts and s.jointless) for sign in rule.find(s)]
     ordered, failed = _explain(found, s, failed, happened)
     asked = [(rule, sign, _without(rule, sign, s, failed)) for rule, sign in ordered]
     causes = tuple(
@@ -157,9 +157,10 @@ def _rank(one: tuple[Rule, Sign], s: Signals) -> tuple[float, bool]:
 def _may_explain(rule: Rule, sign: Sign, s: Signals, failed: Event | None) -> bool:
     """Return whether a cause began before the failure, and not so long before that it has faded."""
     if failed is None:
-        return not rule.residual and (rule.alone or not s.floating or not s.torques.shape[1])
+        return not rule.residual and (rule.alone or not s.floating)
+    shown = sign.time if sign.shown is None else sign.shown
     if sign.time > failed.time + 0.5 * s.limits.brief:
         return False
     if rule.leads and failed.name == "fell" and failed.time - sign.time < 0.5 * s.pendulum_time:
         return False  # nothing falls that fast: it was falling already
-    return rule.lasts or failed.time - sign.time < s.limits.fades
+    return rule.lasts or failed.time - shown < s.limits.fades

@@ -174,6 +174,12 @@ class StoryLimits(CauseLimits):
         low=0.0,
         tuned=STORIES + "0.075 to 19.2",
     )
+    thrown: float = setting(
+        0.1,
+        "-",
+        "rise of what slides flat, over the height of its centre of mass, from which it was thrown up",
+        low=0.0,
+    )
     lifts: float = setting(
         0.08,
         "m g",

@@ -1,4 +1,4 @@
-"""Causes that lie in the world: pushes, payloads, ground without grip, edges, soft contact, collisions."""
+"""Causes that lie in the world: pushes, payloads, ground without grip, edges, collisions."""
 
 from __future__ import annotations
 
@@ -8,16 +8,13 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.numerics.phases import joined_runs
-from surefoot.base.numerics.windows import sliding_mean, sliding_sum
+from surefoot.base.numerics.windows import sliding_mean
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import frames_on
 from surefoot.records.audit.model_changes import logged_changes
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.symptoms.fits import rotation_between
-
-BEGUN = 0.1
-"""Share of an energy that is there when it is said to have begun."""
 
 
 def model_changes(s: Signals, kind: str) -> Iterator[tuple[float, str, float]]:
@@ -134,7 +131,16 @@ def slippery(s: Signals) -> Iterator[Sign]:
             ground = touched[k] if k < len(touched) else "the ground"
             more = f", {best:.2f} before" if best > mu else ""
             words = f"it slides on {ground}, whose friction is {mu:.2f}{more}"
-            yield Sign(float(s.time[row]), s.links[k], words, 1.0 - mu)
+            yield Sign(
+                _came_there(s, slippery_there, row), s.links[k], words, 1.0 - mu, shown=float(s.time[row])
+            )
+
+
+def _came_there(s: Signals, there: BoolArray, row: int) -> float:
+    """Return when feet came to such ground (T, p) on which one slides in a row, and stayed there [s]."""
+    on = np.asarray((there & s.loaded & s.ground_feet).any(axis=1))
+    stays = joined_runs(on, s.rows(s.limits.lies))
+    return float(s.time[next((start for start, end in stays if start <= row < end), row)])
 
 
 def edge(s: Signals) -> Iterator[Sign]:
@@ -166,55 +172,6 @@ def _depth(s: Signals) -> float:
     begin = s.rows(0.3)
     gaps = np.where(s.loaded[:begin], s.gaps[:begin], 0.0)
     return float(max(-gaps.min(initial=0.0), 0.0))
-
-
-def soft(s: Signals) -> Iterator[Sign]:
-    """Yield contacts that carry the robot deep below the surface, from the start or as they land."""
-    most = s.limits.depth
-    if not s.torques.shape[1]:  # a thing without joints may be small
-        most = min(most, 0.1 * max(abs(s.height), 0.01))
-    deep = s.loaded & (s.gaps < -most)
-    for k in range(deep.shape[1]):
-        # a hard landing goes deep for a moment in any soft contact
-        row = s.first(deep[:, k], s.rows(1.5 * s.limits.brief))
-        if row is None:
-            row = s.first(deep[:, k] & (s.gaps[:, k] < -3.0 * most))
-        if row is not None:
-            way = -1e3 * float(s.gaps[:, k].min())
-            yield Sign(float(s.time[row]), s.links[k], f"it sinks {way:.0f} mm into the ground", way / 1e3)
-    yield from returned_energy(s)
-
-
-def returned_energy(s: Signals) -> Iterator[Sign]:
-    """Yield that contact that should not rebound gave back energy, where a rigid one gives none."""
-    if "contact_velocities" not in s or s.height <= 0.0:
-        return
-    dead = np.asarray(s.log.facts.get("critically_damped", np.zeros(len(s.names)))) > 0.0
-    dead &= ~s.on_movable
-    struck = _struck(s)
-    power = np.where(dead & ~struck[:, None], s.forces[..., 2] * s.numbers("contact_velocities")[..., 2], 0.0)
-    given = sliding_sum(np.maximum(power, 0.0).sum(axis=1), s.rows(s.limits.lies)) * s.dt
-    row = int(given.argmax())
-    if given[row] > s.limits.returned * s.weight * s.height:
-        k, lift = int(power[row].argmax()), float(given[row] / s.weight)
-        first = max(row - s.rows(s.limits.lies), 0)
-        so_far = np.cumsum(np.maximum(power[first : row + s.rows(s.limits.lies)], 0.0).sum(axis=1))
-        first += int((so_far > BEGUN * so_far[-1]).argmax())
-        words = (
-            f"it gives back {given[row]:.2g} J within {s.limits.lies:g} s, enough to lift all by "
-            f"{1e3 * lift:.0f} mm, where rigid contact gives none"
-        )
-        yield Sign(float(s.time[first]), s.links[k], words, 1.0)
-
-
-def _struck(s: Signals) -> BoolArray:
-    """Return (T,) where something that can move has just begun to press: the ground gives back that blow."""
-    on = np.asarray((s.loaded & s.on_movable).any(axis=1))
-    begun = np.flatnonzero(on & ~np.concatenate([[False], on[:-1]]))
-    out: BoolArray = np.zeros(len(on), dtype=np.bool_)
-    for row in begun:
-        out[row : row + s.rows(s.limits.lies)] = True
-    return out
 
 
 def self_collision(s: Signals) -> Iterator[Sign]:

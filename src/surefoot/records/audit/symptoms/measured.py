@@ -217,7 +217,9 @@ def frozen(e: Episode) -> Evidence | None:
     if e.true is not None and not e.has("motion"):
         return None
     same, limits = (np.diff(e.force, axis=0) == 0.0).all(axis=1), e.limits.measured
-    if same.mean() < limits.frozen_share or float(np.median(e.gap)) > limits.frozen_gap or e.static:
+    if not len(same) or same.mean() < limits.frozen_share:
+        return None
+    if float(np.median(e.gap)) > limits.frozen_gap or e.static:
         return None
     value = float(np.median(e.force[:, 2]))
     text = f"{value:.6g} N in {e.failed['frozen'].rows} rows, not one digit moves"
