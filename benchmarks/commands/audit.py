@@ -53,7 +53,7 @@ def audit(
         typer.Option("--held-back", help="The half of the seeds of --foreign that rules are not tuned on."),
     ] = False,
     others: Annotated[
-        bool, typer.Option("--others", help="Loops of --foreign of other robots, that no rule is tuned on.")
+        bool, typer.Option("--others", help="Loops of --foreign of other robots, which came after the rules.")
     ] = False,
     cause: Annotated[list[str] | None, typer.Option(help="Only this cause; may be repeated.")] = None,
     clean: Annotated[int, typer.Option(min=1, help="Clean runs that seeded faults are put into.")] = 100,
@@ -169,7 +169,7 @@ def _foreign(
         causes, seeds = causes or list(QUICK_CAUSES), 1
     first = TUNING if held_back else 0
     if others:
-        tasks = plan_of_others(range(seeds), causes or ())
+        tasks = plan_of_others(range(first, first + seeds), causes or ())
     else:
         tasks = plan(range(first, first + seeds), 1 if quick else LAWFUL, causes or ())
     rows: list[Trial] = []
@@ -180,7 +180,7 @@ def _foreign(
                 status.update(f"{len(rows)} of {len(tasks)}: {trial.loop}, {trial.cause or 'lawful'}")
         except KeyboardInterrupt:
             typer.echo(f"interrupted: {len(rows)} of {len(tasks)} runs are told", err=True)
-    half = "other robots" if others else "held back" if held_back else "for tuning"
+    half = ("held back" if held_back else "for tuning") + (", other robots" if others else "")
     record = {"seeds": seeds, "half": half, "planned": len(tasks), **summary(rows)}
     title = f"causes of strangers' failures, {seeds} seeds each, {half}"
     report(record, as_json, lambda console: _print(console, title, record, rows), WIDTH, out, "audit-foreign")

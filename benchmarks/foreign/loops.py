@@ -32,7 +32,7 @@ OTHERS = (
     Loop("servo hexapod", hexapod.mjcf, hexapod.HexapodControl, hexapod.vary, hexapod_faults.FAULTS),
     Loop("wheeled balancer", balancer.mjcf, balancer.BalancerControl, balancer.vary, balancer_faults.FAULTS),
 )  # fmt: skip
-"""Loops of other robots, all of whose seeds are held back: no rule was tuned on them."""
+"""Loops of other robots, which came after the rules; half of their seeds is held back as well."""
 
 
 def failed(cause: str, seed: int) -> Run:

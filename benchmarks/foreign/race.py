@@ -99,7 +99,7 @@ def plan(seeds: Sequence[int], lawful: int, causes: Sequence[str] = ()) -> list[
 
 
 def plan_of_others(seeds: Sequence[int], causes: Sequence[str] = ()) -> list[tuple[str, str, int]]:
-    """Return what to run of the loops that no rule was tuned on: their failures, and as many controls."""
+    """Return what to run of the loops that came after the rules: their failures, and as many controls."""
     failures = [(loop.name, c, seed) for loop in OTHERS for c in loop.faults for seed in seeds]
     controls = [(loop.name, "", seed) for loop in OTHERS for seed in seeds]
     return [one for one in failures if not causes or one[1] in causes] + controls

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from benchmarks.foreign.loops import LOOPS
+from benchmarks.foreign.loops import LOOPS, OTHERS
 from surefoot.records import Log
 from surefoot.records.audit.resets import join_episodes
 
-ABLE = {loop.name: loop for loop in LOOPS}
+ABLE = {loop.name: loop for loop in (*LOOPS, *OTHERS)}
 
 
 @pytest.mark.parametrize(
@@ -34,6 +34,11 @@ ABLE = {loop.name: loop for loop in LOOPS}
         ("pd quadruped", "self-collision", 21),  # a foot had slid a little long before
         ("pd humanoid", "impossible command", 35),  # which makes a step as it falls
         ("pd humanoid", "chattering gains", 27),  # from the first row on
+        ("servo hexapod", "slippery ground", 2),  # dated when it came there, seconds before it lost its grip
+        ("servo hexapod", "sensor bias", 0),  # which walks on, crooked
+        ("wheeled balancer", "wrong mass", 0),  # started with its centre of mass beside its wheels
+        ("wheeled balancer", "impossible command", 0),  # on its way to which it tips at once
+        ("wheeled balancer", "sensor bias", 1),
     ],
 )
 @pytest.mark.sampled(4)

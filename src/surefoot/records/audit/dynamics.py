@@ -89,7 +89,8 @@ def unexplained(
     # after it.
     (torque, later), jacobian = _newton_euler(model, q[:-1], acceleration, v[:-1], v[1:])
     later -= torque
-    for part in (torque, later):
+    in_world = _change_in_world(model, q, v, dt)
+    for part in (torque, later, in_world):
         part[:, : robot.base_dof] *= mass_scale
     force, place = forces_world[:-1], np.asarray(log["contact_positions"])[:-1]
     wrench = np.concatenate([force, np.cross(place, force)], axis=2)
@@ -115,9 +116,7 @@ def unexplained(
     feet = np.full((rows, robot.owner.max(initial=-1) + 1, 3), np.nan)
     if "other_forces" in log:
         rest -= np.asarray(log["other_forces"])[:-1]
-    # a step may take the velocity before it, after it, or a mean of both for its Coriolis forces
-    share = -(rest * later)[:, :base].sum(axis=1) / np.maximum((later[:, :base] ** 2).sum(axis=1), 1e-24)
-    rest += np.clip(share, 0.0, 1.0)[:, None] * later
+    rest = _of_some_step(rest, later, in_world, base)
     if "torques" in log:
         rest[:, base:] -= np.asarray(log["torques"])[:-1]
         known = np.asarray(robot.model.armature)[base:]  # is in M already
@@ -129,6 +128,39 @@ def unexplained(
         feet = _at_feet(robot, rest, jacobian, place)
     force_left, moment_left = (np.einsum("tij,tj->ti", R, part) for part in (rest[:, :3], rest[:, 3:6]))
     return UnexplainedForces(force_left, moment_left, feet, velocities)
+
+
+def _change_in_world(model: Any, q: FloatArray, v: FloatArray, dt: FloatArray) -> FloatArray:
+    """Return what M v̇ (T, nv) gains if the base's velocity changes in world axes in a step, not in its own.
+
+    The axes turn within the step: the two differ by its length times the square of the turning.
+    """
+    import pinocchio
+
+    R = rotation_from_quaternion(q[:, 3:7])
+    w = np.einsum("tij,tj->ti", R, v[:, :3])
+    change = np.einsum("tji,tj->ti", R[:-1], np.diff(w, axis=0) / dt) - np.cross(v[:-1, 3:6], v[:-1, :3])
+    more = change - np.diff(v[:, :3], axis=0) / dt
+    data, out = model.createData(), np.zeros((len(more), v.shape[1]))
+    for k in range(len(more)):
+        M = pinocchio.crba(model, data, q[k])
+        out[k] = np.triu(M)[:3].T @ more[k]
+    return out
+
+
+def _of_some_step(rest: FloatArray, later: FloatArray, in_world: FloatArray, base: int) -> FloatArray:
+    """Return what is left (T, nv) by the step that leaves the least on the base.
+
+    A step may take the velocity before it, after it, or a mean of both for its Coriolis forces (`later` is what
+    that after it adds), and change the base's velocity in its own axes or in the world's (`in_world`).
+    """
+    found = []
+    for one in (rest, rest + in_world):
+        size = np.maximum((later[:, :base] ** 2).sum(axis=1), 1e-24)
+        share = -(one * later)[:, :base].sum(axis=1) / size
+        found.append(one + np.clip(share, 0.0, 1.0)[:, None] * later)
+    sizes = [(one[:, :base] ** 2).sum(axis=1) for one in found]
+    return np.where((sizes[1] < sizes[0])[:, None], found[1], found[0])
 
 
 def balanced_forces(robot: LoggedRobot, log: Log) -> FloatArray:

@@ -102,6 +102,12 @@ class CauseLimits(Settings):
     known_after: float = setting(
         0.2, "s", "time from which it is known how torques change", low=0.0, tuned=RULES + "0.003125 to 0.4"
     )
+    off_feet: float = setting(
+        0.1,
+        "-",
+        "way of a centre of mass at rest outside of the feet, over its height, of a body started as another",
+        low=0.0,
+    )
     at_rest: float = setting(
         0.15,
         "s",

@@ -131,7 +131,11 @@ RULES = (
         "slower or smaller motions, or stronger motors", without=counterfactuals.without_limit, acts=True,
     ),
     Rule(
-        "impossible command", control_causes.impossible, "the speed is possible, and no joint is at its stop",
+        "impossible command", control_causes.too_fast, "the speed is possible",
+        "ask for what is within reach", alone=False, outside=True, acts=True,
+    ),
+    Rule(
+        "impossible command", control_causes.at_stops, "no joint is at its stop",
         "ask for what is within reach", alone=False, acts=True,
     ),
     Rule(

@@ -226,8 +226,8 @@ def chatter(s: Signals) -> Iterator[Sign]:
             yield Sign(float(s.time[row]), name, words, float(turning[:, k].mean()))
 
 
-def impossible(s: Signals) -> Iterator[Sign]:
-    """Yield commanded speeds that no legs of this height follow, and joints driven into their stops."""
+def too_fast(s: Signals) -> Iterator[Sign]:
+    """Yield commanded speeds that no legs of this height follow."""
     if "command" in s and s.height > 0.0:
         speed = np.hypot(*s.numbers("command")[:, :2].T)
         fastest = s.limits.froude * float(np.sqrt(GRAVITY * s.height))
@@ -235,10 +235,9 @@ def impossible(s: Signals) -> Iterator[Sign]:
         if row is not None:
             words = f"{speed[row]:.2f} m/s is commanded, legs of this height do {fastest:.2f} at most"
             yield Sign(float(s.time[row]), "body", words, 1.0)
-    yield from _at_stops(s)
 
 
-def _at_stops(s: Signals) -> Iterator[Sign]:
+def at_stops(s: Signals) -> Iterator[Sign]:
     """Yield joints that are driven into their stops, by more than half of what they can."""
     ranges = s.log.facts.get("model_joint_ranges")
     q, _ = s.joint_state

@@ -52,8 +52,8 @@ def slide(s: Signals) -> Event | None:
         return None  # a hand that slides does not fall
     if not s.sliding.any() or (s.on_movable.any() and not s.torques.shape[1]):
         return None  # what cannot move by itself slides where it is pushed
-    if s.jointless and _slows_down(s):
-        return None  # it was thrown
+    if s.thrown:
+        return None
     way = np.cumsum(s.slip_speed * s.sliding * s.dt, axis=0)
     window = s.rows(0.5)
     before = np.concatenate([np.zeros((min(window, len(way)), way.shape[1])), way[:-window]])
@@ -64,12 +64,6 @@ def slide(s: Signals) -> Event | None:
     begun = max(row - window, 0) + int(s.sliding[max(row - window, 0) : row + 1, k].argmax())
     total = float(way[-1].max())
     return Event("slides", float(s.time[begun]), s.names[k], f"{total:.2f} m with its friction used up")
-
-
-def _slows_down(s: Signals) -> bool:
-    """Return whether it moved along the ground from the start, and faster than in the end."""
-    begin, end = (np.linalg.norm(s.com_velocity[row] @ s.level_axes.T) for row in (0, -1))
-    return bool(begin > s.limits.slip_speed and end < begin)
 
 
 def stray(s: Signals) -> Event | None:

@@ -33,7 +33,10 @@ def drift(s: Signals) -> Iterator[Sign]:
         yield found
         return
     pull, row = pull_at_rest(s), left_the_feet(s)
-    if walks(s, row) or not s.torques.shape[1]:
+    if not s.torques.shape[1]:
+        return
+    if walks(s, row):
+        yield from _walks_crooked(s)
         return
     if row is None:
         yield from _creeps(s)
@@ -67,6 +70,21 @@ def _creeps(s: Signals) -> Iterator[Sign]:
             words = f"it leans and drifts ever more from {s.time[begun]:.2f} s on, by torques of its own"
             yield Sign(float(s.time[begun]), s.base, words, s.limits.drift_strength)
             return
+
+
+def _walks_crooked(s: Signals) -> Iterator[Sign]:
+    """Yield since when a body that walks on leans ever more, slower than anything falls, and to the end."""
+    last = s.lean[-s.rows(s.limits.lies) :]
+    if float(last.min()) < s.limits.crooked:
+        return
+    there = int((s.lean >= 0.9 * float(last.mean())).argmax())
+    begun = int(np.flatnonzero(s.lean[: there + 1] <= s.limits.drift_begun * s.lean[there])[-1])
+    if (there - begun) * s.dt > s.pendulum_time:
+        words = (
+            f"it leans ever more from {s.time[begun]:.2f} s on, and walks on with "
+            f"{np.degrees(last.mean()):.0f} deg, by torques of its own"
+        )
+        yield Sign(float(s.time[begun]), s.base, words, s.limits.drift_strength)
 
 
 def _shares(s: Signals) -> FloatArray:
@@ -211,6 +229,12 @@ def wrong_mass(s: Signals) -> Iterator[Sign]:
         yield Sign(float(s.time[0]), s.base, words, 1.0)
         return
     pull = pull_at_rest(s)
+    if pull is not None:
+        beside = float(np.nan_to_num(s.capture_outside[: s.rows(s.limits.at_rest)], nan=np.inf).min())
+        if s.limits.off_feet * s.height < beside < np.inf:
+            words = f"started at rest, its centre of mass is {100.0 * beside:.0f} cm outside of its feet"
+            yield Sign(float(s.time[0]), s.base, words, 1.0)
+            return
     if pull is None or any(sign.time - s.time[0] < s.limits.at_rest for sign in chatter(s)):
         return  # gains that chatter push as it happens
     up = float(pull @ s.up)
@@ -221,7 +245,7 @@ def wrong_mass(s: Signals) -> Iterator[Sign]:
         )
         size = float(np.linalg.norm(led))
         if size > 0.0:
-            along = along - max(float(along @ led) / size, 0.0) * led / size
+            along = along - float(along @ led) / size**2 * led  # and before, what balances, the other way
     level = float(np.linalg.norm(along))
     sags = up < 0.0 and level < s.limits.drives and at_limit(s)[: s.rows(s.limits.at_rest)].any()
     if not sags and (abs(up) > s.limits.lifts or level > s.limits.drives):

@@ -133,6 +133,14 @@ class Signals:
         return self.free and self.numbers("q").shape[1] == 7
 
     @cached_property
+    def thrown(self) -> bool:
+        """Whether it is one free body that moves along the ground at first, faster than in the end."""
+        if not self.jointless:
+            return False
+        begin, end = (np.linalg.norm(self.com_velocity[row] @ self.level_axes.T) for row in (0, -1))
+        return bool(begin > self.limits.slip_speed and end < begin)
+
+    @cached_property
     def lean(self) -> FloatArray:
         """(T,) angle of the base's up axis from where it was at first [rad]; zero without a free base."""
         if self.plane_turn is not None:

@@ -157,7 +157,7 @@ def _rank(one: tuple[Rule, Sign], s: Signals) -> tuple[float, bool]:
 def _may_explain(rule: Rule, sign: Sign, s: Signals, failed: Event | None) -> bool:
     """Return whether a cause began before the failure, and not so long before that it has faded."""
     if failed is None:
-        return not rule.residual and (rule.alone or not s.floating)
+        return not rule.residual and (rule.alone or not s.floating or not s.torques.shape[1])
     shown = sign.time if sign.shown is None else sign.shown
     if sign.time > failed.time + 0.5 * s.limits.brief:
         return False

@@ -115,8 +115,8 @@ def slippery(s: Signals) -> Iterator[Sign]:
     for time, name, factor in model_changes(s, "friction"):
         if factor < s.limits.less_grip:
             yield Sign(time, name, f"the friction of {name} falls to {factor:.0%}", 1.0)
-    if s.torques.shape[1] and not s.floating:
-        return  # a hand that slides does not fall
+    if (s.torques.shape[1] and not s.floating) or s.thrown:
+        return  # a hand that slides does not fall, and what is thrown slides
     touched = s.texts("contact_with")
     known = np.where(s.loaded & s.ground_feet, s.mu, 0.0).max(axis=1, initial=0.0)
     before = np.maximum.accumulate(known)[:, None]
