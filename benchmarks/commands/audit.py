@@ -207,6 +207,10 @@ def _print(console: Console, title: str, record: dict[str, Any], rows: Sequence[
     ]
     console.print(table(("loop", "failures", "first right", "among two"), of_loops, "by loop"))
     console.print(f"{len(record['false'])} false causes on {record['controls']} lawful controls")
+    laws = dict(record["broken"])
+    count, broken = laws.pop("runs"), laws.pop("broken")
+    by_law = ", ".join(f"{law} {n}" for law, n in laws.items())
+    console.print(f"{broken} of {count} runs are called broken that nobody spoilt{': ' * bool(laws)}{by_law}")
     for trial in rows:
         if (trial.cause and not trial.first) or (not trial.cause and trial.named):
             said = "; ".join(f"{name} at {where}, {when}" for name, where, when in trial.named[:2]) or "none"

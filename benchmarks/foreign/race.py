@@ -7,7 +7,7 @@ within 0.15 s of the onset; a failure without a place allows any, one that is th
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,6 +22,8 @@ TUNING, HELD_BACK = 10, 20
 """Seeds below the first may be looked at; from there to below the second they are held back."""
 LAWFUL = 15
 """Lawful controls of a loop."""
+WRONG_FRAME = "wrong contact frame"
+"""The cause whose logs are spoilt."""
 NOTHING = "none"
 """What stands for an audit that names no cause."""
 
@@ -44,6 +46,8 @@ class Trial:
         Whether the first cause is right, or one of the first two.
     seconds
         CPU time of the audit [s].
+    broken
+        Laws that it called broken.
     """
 
     loop: str
@@ -57,6 +61,7 @@ class Trial:
     first: bool
     second: bool
     seconds: float
+    broken: tuple[str, ...] = ()
 
 
 def judged(run: Run) -> Trial:
@@ -71,7 +76,7 @@ def judged(run: Run) -> Trial:
         run.loop, cause, run.seed,
         "" if run.fault is None else run.fault.detail, run.failure,
         () if run.fault is None else run.fault.places, run.onset, named,
-        any(right[:1]), any(right), seconds,
+        any(right[:1]), any(right), seconds, report.laws_broken,
     )  # fmt: skip
 
 
@@ -151,8 +156,20 @@ def summary(of: Sequence[Trial]) -> dict[str, Any]:
         "confusion": {c: confusion([t for t in faulty if t.cause == c]) for c in causes},
         "controls": len(lawful),
         "false": [vars(t) for t in lawful if t.named],
+        "broken": law_counts(t for t in of if t.cause != WRONG_FRAME),
         "trials": [vars(t) for t in of],
     }
+
+
+def law_counts(of: Iterable[Trial]) -> dict[str, int]:
+    """Return how many runs break each law: MuJoCo made them, and nobody spoilt their logs."""
+    out = {"runs": 0, "broken": 0}
+    for trial in of:
+        out["runs"] += 1
+        out["broken"] += bool(trial.broken)
+        for law in trial.broken:
+            out[law] = out.get(law, 0) + 1
+    return out
 
 
 def confusion(of: Sequence[Trial]) -> dict[str, int]:

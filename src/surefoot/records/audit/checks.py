@@ -27,6 +27,7 @@ from surefoot.records.audit.consistency import (
 )  # fmt: skip
 from surefoot.records.audit.continuity import contact_velocity, gap_rate, no_kinematics, no_plane, state
 from surefoot.records.audit.flights import flights, what_drives
+from surefoot.records.audit.laws import stated
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.places import gap_place, jump, no_feet, no_ground
 from surefoot.records.audit.restitution import rebound, sparse, throw
@@ -82,10 +83,13 @@ class Check:
 
 
 def _penetration(rows: Rows) -> Measured:
-    """Depth [m]; while a body tumbles onto soft contacts they drive each other deeper."""
+    """Depth [m]; on a body that tumbles soft contacts drive each other deeper, and so do motors and loads."""
     limits, sinking = rows.setting.limits.laws, rows.setting.sinking
-    limit = max(limits.penetration, sinking)
-    deep = np.where(rows.swinging, max(limit, limits.swing_depth * sinking), limit)
+    moved = rows.has("torques") or bool(np.any(rows.log.facts.get("contact_other_moves", 0.0)))
+    pressed = moved and rows.log.facts.get("kind") == "recording"
+    limit = max(limits.penetration, limits.swing_depth * sinking if pressed else sinking)
+    driven = min(stated(rows.log, "sinking_at_most"), rows.setting.limits.softness.sinking)
+    deep = np.where(rows.swinging, max(limit, limits.swing_depth * sinking, driven), limit)
     # a soft corner goes on for a row while another one lands
     late = rows.once(way_to_touch) if sinking > 0.0 else 0.0
     return over(-rows.gaps, deep + late)

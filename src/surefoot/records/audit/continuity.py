@@ -89,6 +89,9 @@ def contact_velocity(rows: Rows) -> Measured:
             touching = sliding_sum(edges(rows).astype(np.float64), w + 2) > 0.0
             open_speed = _highest(np.nan_to_num(np.linalg.norm(change, axis=-1)), w)
             limit = np.where(touching, np.inf, limit + open_speed)
+        # against what moves by itself they are not those of the robot's joints
+        moves = np.asarray(rows.log.facts.get("contact_other_moves", np.zeros(rows.points))) > 0.0
+        limit = np.where(moves, np.inf, limit)
     return over(value, limit)
 
 

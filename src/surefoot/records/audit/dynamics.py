@@ -151,8 +151,8 @@ def _change_in_world(model: Any, q: FloatArray, v: FloatArray, dt: FloatArray) -
 def _of_some_step(rest: FloatArray, later: FloatArray, in_world: FloatArray, base: int) -> FloatArray:
     """Return what is left (T, nv) by the step that leaves the least on the base.
 
-    A step may take the velocity before it, after it, or a mean of both for its Coriolis forces (`later` is what
-    that after it adds), and change the base's velocity in its own axes or in the world's (`in_world`).
+    A step may take the velocity before it, after it, or a mean of both for its Coriolis forces (`later` is
+    what that after it adds), and change the base's velocity in its own axes or the world's (`in_world`).
     """
     found = []
     for one in (rest, rest + in_world):
@@ -160,7 +160,7 @@ def _of_some_step(rest: FloatArray, later: FloatArray, in_world: FloatArray, bas
         share = -(one * later)[:, :base].sum(axis=1) / size
         found.append(one + np.clip(share, 0.0, 1.0)[:, None] * later)
     sizes = [(one[:, :base] ** 2).sum(axis=1) for one in found]
-    return np.where((sizes[1] < sizes[0])[:, None], found[1], found[0])
+    return np.asarray(np.where((sizes[1] < sizes[0])[:, None], found[1], found[0]))
 
 
 def balanced_forces(robot: LoggedRobot, log: Log) -> FloatArray:

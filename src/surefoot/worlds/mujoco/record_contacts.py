@@ -191,7 +191,7 @@ class Slots:
         own, others = ([slot.bodies[k] for slot in self._slots] for k in (0, 1))
         out["contact_body"] = [body_name(self._model, b) for b in own]
         out["contact_is_foot"] = np.array([float(slot.pair[0] in foot_geoms) for slot in self._slots])
-        out["contact_other_moves"] = np.array([float(self._model.body_weldid[b] != 0) for b in others])
+        out["contact_other_moves"] = np.array([float(can_move(self._model, b)) for b in others])
         if any(slot.rolling.any() for slot in self._slots):
             out["moment_friction"] = np.array([slot.rolling for slot in self._slots])
         if any(slot.margin for slot in self._slots):
@@ -250,13 +250,27 @@ class Slots:
         self._slots.append(Slot(pair, bodies, (0.0, 0.0, 0.0), mu, margin, rolling, soft))
         return slot
 
-    def softness(self, qpos: FloatArray, points: dict[str, Any], load: float) -> dict[str, float]:
-        """Return what the model declares of its softness under a load [N], see `record_softness`."""
+    def softness(
+        self, qpos: FloatArray, points: dict[str, Any], load: float, energy: float
+    ) -> dict[str, float]:
+        """Return what the model declares of its softness under a load [N], see `record_softness`.
+
+        `energy` is the most kinetic energy that the robot had [J].
+        """
         pairs = [slot.bodies for slot in self._slots]
         landing = hardest_landing(self._mujoco, self._model, pairs, qpos, points)
         soft = [slot.soft for slot in self._slots if slot.soft is not None]
-        return declare_softness(soft, load, landing) | declare_response(soft, load)
+        return declare_softness(soft, load, landing, energy) | declare_response(soft, load)
 
     def name(self, geom: int) -> str:
         """Return the name of a geom, else its body's with its number."""
         return geom_name(self._model, geom)
+
+
+def can_move(model: Any, body: int) -> bool:
+    """Return whether a body moves by joints, or by hand (mocap)."""
+    while body and int(model.body_mocapid[body]) < 0:
+        if int(model.body_jntnum[body]):
+            return True
+        body = int(model.body_parentid[body])
+    return body != 0

@@ -15,7 +15,7 @@ did sink: what is deeper than this is no softness.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from types import SimpleNamespace
 from typing import Any, NamedTuple
@@ -201,9 +201,12 @@ def soft_contact(mujoco: Any, model: Any, bodies: Iterable[int], contact: Any) -
 
 
 def declare_softness(
-    contacts: Sequence[SoftContact], load: float, landing: HardestLanding | None
+    contacts: Sequence[SoftContact], load: float, landing: HardestLanding | None, energy: float = 0.0
 ) -> dict[str, float]:
     """Return the facts `sinking`, `creep`, `stopping` and `settling` of contacts; empty without any.
+
+    With an energy, `sinking_at_most` as well: what falls may drive one contact deeper than that landed, with
+    all of its motion.
 
     Parameters
     ----------
@@ -213,11 +216,18 @@ def declare_softness(
         M g of the robot, all of it on one contact point [N].
     landing
         The hardest one; None where no contact landed.
+    energy
+        The most kinetic energy that there was [J].
     """
     if not contacts:
         return {}
     slide = 0.0 if landing is None else landing.slide
-    return {
+    most = {}
+    if landing is not None and energy > 0.0:
+        speed = float(np.sqrt(2.0 * energy * landing.inverse_mass))
+        driven = replace(landing, speed=max(landing.speed, speed))
+        most = {"sinking_at_most": ROUNDED * max(c.sinking(load, driven) for c in contacts)}
+    return most | {
         "sinking": ROUNDED * max(c.sinking(load, landing) for c in contacts),
         "creep": max(c.creep(load) for c in contacts),
         "stopping": max(c.stopping(load, slide) for c in contacts),

@@ -212,9 +212,17 @@ class Recording(Log):
             **self._more_facts(error),
         }
         load = tree.mass * float(np.linalg.norm(model.opt.gravity))
-        facts |= slots.softness(q, points, load)
+        facts |= slots.softness(q, points, load, self._kinetic_energy(arrays))
         Log.__init__(self, arrays, {k: f for k, f in facts.items() if np.size(f)})
         self.facts["doubts"] = [*self._own_doubts(), *self._found_doubts()]
+
+    def _kinetic_energy(self, arrays: dict[str, Any]) -> float:
+        """Return the most that the robot had [J]; zero where its energy is not known."""
+        if "energy" not in arrays:
+            return 0.0
+        weight = self._tree.mass * np.asarray(self._rows.model.opt.gravity)
+        kinetic = arrays["energy"] + arrays["com"] @ weight
+        return float(np.max(kinetic[np.isfinite(kinetic)], initial=0.0))
 
     def _leave_out_empty_channels(self, arrays: dict[str, Any]) -> None:
         """Leave out what no actuator, push, inner contact or solver fills."""
