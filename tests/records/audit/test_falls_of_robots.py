@@ -1,0 +1,98 @@
+"""Falls in MuJoCo obey the laws: fast turns, hard landings and loads break neither motion nor depth."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from benchmarks.foreign.loops import LOOPS, OTHERS
+from surefoot.records.audit.log_context import setting_of
+from surefoot.records.audit.rows import Rows
+from tests.records.audit.logs import changed
+from tests.worlds.mujoco.strangers import QUADRUPED, quadruped
+
+mujoco = pytest.importorskip("mujoco")
+ABLE = {loop.name: loop for loop in (*LOOPS, *OTHERS)}
+
+
+def shoved(seed: int, steps: int = 900) -> Any:
+    """Return the log of a quadruped that is shoved somewhere at some time, and falls."""
+    rng = np.random.default_rng(seed)
+    force, begin = 300.0 * rng.normal(size=3), int(rng.integers(100, 400))
+
+    def shove(model: Any, data: Any, step: int) -> None:
+        data.xfrc_applied[1, :3] = force if begin <= step < begin + 50 else 0.0
+
+    return quadruped(steps, shove)
+
+
+@pytest.mark.parametrize("seed", [3, 8, 13, 26, 34, 55])
+def test_a_shoved_robot_falls_by_the_laws(seed: int) -> None:
+    report = sf.audit_log(shoved(seed))
+    assert report.lawful, report.sentence
+    assert report.first_cause is None or report.first_cause.name == "push"
+
+
+@pytest.mark.parametrize(
+    ("loop", "cause", "seed"),
+    [
+        ("pd humanoid", "delayed control", 0),  # turns fast enough for 1 kN in the wrong axes
+        ("pd quadruped", "payload", 0),  # a sack slides on it
+        ("hopper", "push", 1),  # its trunk is thrown onto the ground
+        ("arm pushing a box", "payload", 0),  # a crate comes down on what is pushed
+        ("servo hexapod", "slippery ground", 0),
+        ("wheeled balancer", "push", 0),
+    ],
+)
+def test_failures_of_strangers_are_no_broken_laws(loop: str, cause: str, seed: int) -> None:
+    report = sf.audit_log(ABLE[loop].failed(cause, seed).log)
+    assert report.laws_broken == (), report.sentence
+
+
+@pytest.mark.parametrize(("integrator", "most"), [("EULER", 1e-9), ("IMPLICITFAST", 1e-9), ("RK4", 2e-2)])
+def test_a_robot_that_turns_fast_in_the_air_needs_no_force(integrator: str, most: float) -> None:
+    """MuJoCo changes a base's velocity in the world's axes; its own turn by 2 deg in a step.
+
+    A row of Runge and Kutta is a mean of stages, of which its ends do not tell all.
+    """
+    model = mujoco.MjModel.from_xml_string(QUADRUPED)
+    model.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{integrator}")
+    data = mujoco.MjData(model)
+    turn = np.array([12.0, -9.0, 14.0]) * (0.3 if integrator == "RK4" else 1.0)
+    data.qpos[2], data.qvel[:3], data.qvel[3:6] = 1.5, (2.0, -1.0, 1.0), turn
+    with sf.record(model, data) as log:
+        mujoco.mj_step(model, data, 600)
+    flight = int((log["forces"][..., 2] > 0.0).any(axis=1).argmax()) - 1  # it lands in the end
+    rows = Rows(log, setting_of(log, None), 0, len(log))
+    assert rows.unexplained is not None
+    left = np.linalg.norm(rows.unexplained.force[:flight], axis=1).max() / (9.81 * log.facts["mass"])
+    assert left < most
+    assert sf.audit_log(log).laws_broken == ()
+
+
+def test_a_force_from_nowhere_is_still_found_in_a_fall() -> None:
+    log = shoved(26)
+    v = np.array(log["v"])
+    v[500:, 0] += 0.5  # a kick in one row
+    assert not sf.audit_log(changed(log, v=v)).lawful
+    forces = np.array(log["forces"])
+    forces[500:600, :, 2] *= 1.1
+    assert "motion" in sf.audit_log(changed(log, forces=forces)).laws_broken
+
+
+def test_what_a_hand_moves_can_move() -> None:
+    """A plate that is moved by hand (mocap) under a ball: the ball's own velocity is not the contact's."""
+    model = mujoco.MjModel.from_xml_string(
+        "<mujoco><worldbody><body name='plate' mocap='true'><geom type='box' size='2 2 .05' friction='1'/>"
+        "</body><body pos='0 0 .1501'><freejoint/><geom size='.1' friction='1'/></body></worldbody></mujoco>"
+    )
+    data = mujoco.MjData(model)
+    with sf.record(model, data) as log:
+        for k in range(300):
+            data.mocap_pos[0, 0] = 1e-3 * k
+            mujoco.mj_step(model, data)
+    assert log.facts["contact_other_moves"].tolist() == [1.0]
+    assert "contact velocity" not in sf.audit_log(log).laws_broken
