@@ -110,12 +110,32 @@ def test_both_worlds_explain_the_motion_and_come_to_rest_alike() -> None:
 
 
 @pytest.mark.parametrize("world", ["rigid", "mujoco"])
-def test_feet_alone_have_no_such_channel(world: str) -> None:
+def test_feet_alone_have_stops_at_most(world: str) -> None:
+    """The rigid world knows no stops without links; MuJoCo's joints have theirs all the same."""
     made = make_world(world, ROBOT)
-    assert made.contacts().others is None
-    assert "other_forces" not in sf.run(made, Hold(), sf.Scenario(0.01, 0.6))
+    log = sf.run(made, Hold(), sf.Scenario(0.01, 0.6))
+    assert ("other_forces" in log) == (world == "mujoco")
+    assert world == "rigid" or not log["other_forces"].any()
     with pytest.raises(sf.ProblemError, match="full"):
         make_world(world, ROBOT, collision="some")
+
+
+class Driven(Hold):
+    """Holds its pose, but for a knee that is driven into its stop."""
+
+    def step(self, state: sf.RobotState) -> sf.Command:
+        torques = np.array(super().step(state).torques)
+        torques[2] = -ROBOT.effort_limits[2]
+        return sf.Command(torques)
+
+
+@pytest.mark.parametrize("world", ["mujoco", "mujoco-exact"])
+def test_a_joint_at_its_stop_is_no_force_from_nowhere(world: str) -> None:
+    log = sf.run(make_world(world, ROBOT), Driven(), sf.Scenario(0.6, 0.6))
+    assert np.abs(log["other_forces"][:, 8]).max() > 1.0
+    assert "motion" not in sf.audit_log(log).laws_broken
+    bare = {name: array for name, array in log.arrays.items() if name != "other_forces"}
+    assert "motion" in sf.audit_log(sf.Log(bare, dict(log.facts))).laws_broken
 
 
 def test_a_foot_on_a_link_is_no_foot_on_the_ground() -> None:

@@ -137,7 +137,8 @@ class FootReader:
         floors: Sequence[int], views: DataViews, links: bool,
     ) -> None:  # fmt: skip
         self.feet = own = FootGeoms.of(model, feet, floors, robot.contact_points.radii, terrain)
-        self._links = LinkContacts(mujoco, model, own.owner) if links else None
+        stops = bool(np.any(model.jnt_limited))
+        self._links = LinkContacts(mujoco, model, own.owner) if links or stops else None
         self._model, self._data, self._views, self._terrain = model, data, views, terrain
         self._planar = bool(terrain.planar)
         self._normals = np.ascontiguousarray(own.frames[:, :, 2])  # all that a plane needs, with its offset
