@@ -26,8 +26,8 @@ from surefoot.records.audit.consistency import (
     uneven,
 )  # fmt: skip
 from surefoot.records.audit.continuity import contact_velocity, gap_rate, no_kinematics, no_plane, state
+from surefoot.records.audit.depths import depth, penetration
 from surefoot.records.audit.flights import flights, what_drives
-from surefoot.records.audit.laws import stated
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.places import gap_place, jump, no_feet, no_ground
 from surefoot.records.audit.restitution import rebound, sparse, throw
@@ -80,24 +80,6 @@ class Check:
             return value[core], limit[core], bad[core]
         lost = rows.not_finite[core, : bad.shape[1]] | rows.not_finite[core, -1:]
         return value[core], limit[core], bad[core] & ~lost
-
-
-def _penetration(rows: Rows) -> Measured:
-    """Depth [m]; on a body that tumbles soft contacts drive each other deeper, and so do motors and loads."""
-    limits, sinking = rows.setting.limits.laws, rows.setting.sinking
-    moved = rows.has("torques") or bool(np.any(rows.log.facts.get("contact_other_moves", 0.0)))
-    pressed = moved and rows.log.facts.get("kind") == "recording"
-    limit = max(limits.penetration, limits.swing_depth * sinking if pressed else sinking)
-    driven = min(stated(rows.log, "sinking_at_most"), rows.setting.limits.softness.sinking)
-    deep = np.where(rows.swinging, max(limit, limits.swing_depth * sinking, driven), limit)
-    # a soft corner goes on for a row while another one lands
-    late = rows.once(way_to_touch) if sinking > 0.0 else 0.0
-    return over(-rows.gaps, deep + late)
-
-
-def _depth(rows: Rows) -> Measured:
-    """Depth that is soft, whatever the world declares [m]."""
-    return over(-rows.gaps, rows.setting.limits.records.deep)
 
 
 def _pull(rows: Rows) -> Measured:
@@ -316,7 +298,7 @@ def _lean(rows: Rows) -> Measured:
 FORCES, GAPS = ("forces",), ("forces", "gaps")
 CHECKS = (
     Check(
-        "penetration", "no contact sinks into the ground", "m", True, ("gaps",), _penetration, by_contact=True
+        "penetration", "no contact sinks into the ground", "m", True, ("gaps",), penetration, by_contact=True
     ),
     Check("pull", "the ground pushes, it never pulls", "N", True, FORCES, _pull, by_contact=True),
     Check(
@@ -388,7 +370,7 @@ CHECKS = (
         "bias", "a pyramid brakes less than the round cone", "m", False,
         ("forces", "contact_velocities", "mu", "pyramid_turn"), _bias,
     ),
-    Check("depth", "a soft contact", "m", False, ("gaps",), _depth, by_contact=True),
+    Check("depth", "a soft contact", "m", False, ("gaps",), depth, by_contact=True),
     Check("chatter", "switches of contact in 0.1 s", "1", False, FORCES, _chatter, by_contact=True),
     Check("blow", "force of one row", "m g", False, FORCES, _blow, by_contact=True),
     Check("spike", "force of one row that no landing gives", "m g", False, FORCES, _spike, by_contact=True),
