@@ -10,9 +10,9 @@ import pytest
 import surefoot as sf
 from benchmarks.problems.logged_runs import CleanRun
 from surefoot.app.cli.main import main
+from surefoot.records import Log
 from surefoot.records.audit.report import LawBroken
 from tests.records.audit.broken_controllers import FAULTS, BrokenRun, broken_runs
-from surefoot.records import Log
 from tests.records.audit.logs import RUNS, TROT, changed, log_of
 
 
