@@ -59,6 +59,9 @@ def centre_of_mass(rows: Rows) -> Measured:
     way = np.minimum(*(sliding_sum(np.linalg.norm(part, axis=1), w) for part in (went, mean)))
     known = swing(rows) + edge_forces(rows) / _mass(rows)
     within = 0.5 * rows.dt**2 * (known if force is not None else _pushing(rows) / _mass(rows))
+    if rows.setting.means:  # stages go on by velocities between, and beside, those at the ends of a row
+        change = np.linalg.norm(np.diff(velocity, axis=0, append=velocity[-1:]), axis=1)
+        within = within + 0.5 * rows.dt * change
     limit = limits.consistency.way + limits.consistency.drift * way + sliding_sum(within, w)
     return over(on_body(rows, value), on_limit(rows, limit))
 

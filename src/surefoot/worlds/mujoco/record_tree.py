@@ -39,6 +39,12 @@ def _actuator_counts(mujoco: Any, model: Any) -> dict[int, int]:
     return out
 
 
+def _holds(model: Any, joint: int, dof: int) -> bool:
+    """Return whether a slide or hinge does more than to let its body move."""
+    held = model.jnt_stiffness[joint], model.dof_damping[dof], model.dof_frictionloss[dof]
+    return bool(model.jnt_limited[joint]) or bool(np.any(held))
+
+
 def _mount(model: Any, root: int) -> list[int]:
     """Return the bodies between a root and the world."""
     out, body = [], int(model.body_parentid[root])
@@ -75,7 +81,7 @@ class BodyTree:
     free
         (k, 6) the wrenches, world axes about the centre of mass, against which nothing holds its root: all
         six of a free joint's, those along slides and about a last hinge of a root that moves in a plane. None
-        for a root that is bolted to the world.
+        for a root that is bolted to the world, or slides on rails that hold it: stops, springs, friction.
     """
 
     def __init__(self, mujoco: Any, model: Any, robot: str | None) -> None:
@@ -149,6 +155,8 @@ class BodyTree:
         slides = [slide] * types.count(slide)
         if not slides or (types != slides and types != [*slides, hinge]):
             return None
+        if any(_holds(model, j, dof) for _, j, dof in self._roots):
+            return None  # a rail with stops, springs or friction
         data = mujoco.MjData(model)
         mujoco.mj_kinematics(model, data)
         out = np.zeros((len(types), 6))
