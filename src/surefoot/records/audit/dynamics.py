@@ -89,7 +89,7 @@ def unexplained(
     # after it.
     (torque, later), jacobian = _newton_euler(model, q[:-1], acceleration, v[:-1], v[1:])
     later -= torque
-    in_world = _change_in_world(model, q, v, dt)
+    in_world = _inverse_dynamics(model, q[:-1], v[:-1], _change_in_world(q, v, acceleration, dt)) - torque
     for part in (torque, later, in_world):
         part[:, : robot.base_dof] *= mass_scale
     force, place = forces_world[:-1], np.asarray(log["contact_positions"])[:-1]
@@ -130,21 +130,14 @@ def unexplained(
     return UnexplainedForces(force_left, moment_left, feet, velocities)
 
 
-def _change_in_world(model: Any, q: FloatArray, v: FloatArray, dt: FloatArray) -> FloatArray:
-    """Return what M v̇ (T, nv) gains if the base's velocity changes in world axes in a step, not in its own.
+def _change_in_world(q: FloatArray, v: FloatArray, change: FloatArray, dt: FloatArray) -> FloatArray:
+    """Return accelerations (T, nv) as `change`, of a base whose velocity changes in world axes in a step.
 
-    The axes turn within the step: the two differ by its length times the square of the turning.
+    Its own axes turn within the step: the two differ by its length times the square of the turning.
     """
-    import pinocchio
-
-    R = rotation_from_quaternion(q[:, 3:7])
+    R, out = rotation_from_quaternion(q[:, 3:7]), change.copy()
     w = np.einsum("tij,tj->ti", R, v[:, :3])
-    change = np.einsum("tji,tj->ti", R[:-1], np.diff(w, axis=0) / dt) - np.cross(v[:-1, 3:6], v[:-1, :3])
-    more = change - np.diff(v[:, :3], axis=0) / dt
-    data, out = model.createData(), np.zeros((len(more), v.shape[1]))
-    for k in range(len(more)):
-        M = pinocchio.crba(model, data, q[k])
-        out[k] = np.triu(M)[:3].T @ more[k]
+    out[:, :3] = np.einsum("tji,tj->ti", R[:-1], np.diff(w, axis=0) / dt) - np.cross(v[:-1, 3:6], v[:-1, :3])
     return out
 
 
@@ -216,6 +209,17 @@ def _load_model(model: Any, log: Log, payload: float = 0.0, position: FloatArray
         place = np.zeros(3) if position is None else np.asarray(position, dtype=np.float64)
         model.inertias[1] = model.inertias[1] + pinocchio.Inertia(payload, place, np.zeros((3, 3)))
     return model
+
+
+def _inverse_dynamics(model: Any, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
+    """Return inverse dynamics (T, nv) of each row."""
+    import pinocchio
+
+    data, out = model.createData(), np.empty(a.shape)
+    rnea: Any = pinocchio.rnea
+    for k in range(len(a)):
+        out[k] = rnea(model, data, q[k], v[k], a[k])
+    return out
 
 
 def _newton_euler(
