@@ -104,6 +104,7 @@ class ModelWatch:
                 part = slice(starts[array] + column, starts[array] + view.size, width)
                 for k in np.flatnonzero(now[part] != last[part]).tolist():
                     name = self._mujoco.mj_id2name(model, owner, k) or f"{kind} {k}"
+                    name = geom_name(model, k) if owner == kinds.mjOBJ_GEOM else name
                     factor = float(now[part][k] / last[part][k]) if last[part][k] else np.inf
                     yield step, Change(time, kind, name, factor)
 

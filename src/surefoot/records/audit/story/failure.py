@@ -8,6 +8,9 @@ from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.story.told import Event
 
+SLIDE_TIME = 0.5
+"""Time within which a slide has to go so far that it matters [s]."""
+
 
 def touch_down_of_links(s: Signals) -> BoolArray:
     """Return (T, p) where links that are no feet press on ground that stands still."""
@@ -54,16 +57,27 @@ def slide(s: Signals) -> Event | None:
         return None  # what cannot move by itself slides where it is pushed
     if s.thrown:
         return None
-    way = np.cumsum(s.slip_speed * s.sliding * s.dt, axis=0)
-    window = s.rows(0.5)
-    before = np.concatenate([np.zeros((min(window, len(way)), way.shape[1])), way[:-window]])
-    far = way - before > s.limits.slide
-    if not far.any():
+    way, found = _slide_ways(s), slid_far(s)
+    if found is None:
         return None
-    row, k = (int(i) for i in np.argwhere(far)[0])
-    begun = max(row - window, 0) + int(s.sliding[max(row - window, 0) : row + 1, k].argmax())
+    row, k = found
+    first = max(row - s.rows(SLIDE_TIME), 0)
+    begun = first + int(s.sliding[first : row + 1, k].argmax())
     total = float(way[-1].max())
     return Event("slides", float(s.time[begun]), s.names[k], f"{total:.2f} m with its friction used up")
+
+
+def _slide_ways(s: Signals) -> FloatArray:
+    """Return how far contacts have slid with their friction used up: (T, p) [m]."""
+    return np.asarray(np.cumsum(s.slip_speed * s.sliding * s.dt, axis=0))
+
+
+def slid_far(s: Signals) -> tuple[int, int] | None:
+    """Return row and contact of the first slide that is long enough to matter; it began some time before."""
+    way, window = _slide_ways(s), s.rows(SLIDE_TIME)
+    before = np.concatenate([np.zeros((min(window, len(way)), way.shape[1])), way[:-window]])
+    far = np.argwhere(way - before > s.limits.slide)
+    return (int(far[0, 0]), int(far[0, 1])) if len(far) else None
 
 
 def stray(s: Signals) -> Event | None:

@@ -8,7 +8,7 @@ from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.report import Finding
 from surefoot.records.audit.story.causes import RULES, WRONG_FRAME, Rule, frame_sign
 from surefoot.records.audit.story.counterfactuals import Without
-from surefoot.records.audit.story.failure import fall, slide, stray
+from surefoot.records.audit.story.failure import fall, slid_far, slide, stray
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.story.story_limits import STORY_LIMITS, StoryLimits
@@ -88,9 +88,17 @@ def _explain(
         if not ordered and event is not None and event.name in DRAWN_OUT:
             # who loses its way little by little may have done so before the cause of its end
             ordered = _order(found, s, replace(event, time=float(s.time[-1])))
+        if not ordered and event is not None and event.name == "slides":
+            ordered = _order([one for one in found if one[0].outside], s, replace(event, time=_slid_far(s)))
         if ordered:
             return ordered, event
     return [], failed
+
+
+def _slid_far(s: Signals) -> float:
+    """Return when a slide had gone so far that it matters [s]: feet that slip now and then begin it early."""
+    row = slid_far(s)
+    return float(s.time[-1 if row is None else row[0]])
 
 
 def _without(rule: Rule, sign: Sign, s: Signals, failed: Event | None) -> Without | None:

@@ -16,6 +16,9 @@ from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
 from surefoot.records.audit.symptoms.fits import rotation_between
 
+MOST_NAMES = 4
+"""Shapes whose friction changed that are named."""
+
 
 def model_changes(s: Signals, kind: str) -> Iterator[tuple[float, str, float]]:
     """Yield when, whose and by which factor the loop changed numbers of one kind in its model."""
@@ -112,9 +115,15 @@ def _holds(mu: float) -> float:
 
 def slippery(s: Signals) -> Iterator[Sign]:
     """Yield feet that slide with their friction used up, on less of it than before or on little at all."""
+    fallen = dict[float, list[tuple[str, float]]]()
     for time, name, factor in model_changes(s, "friction"):
         if factor < s.limits.less_grip:
-            yield Sign(time, name, f"the friction of {name} falls to {factor:.0%}", 1.0)
+            fallen.setdefault(time, []).append((name, factor))
+    for time, changes in fallen.items():  # of the ground and all that stands on it at once, as a rule
+        names = ", ".join(name for name, _ in changes[:MOST_NAMES])
+        more = f" and {len(changes) - MOST_NAMES} more" if len(changes) > MOST_NAMES else ""
+        least = min(factor for _, factor in changes)
+        yield Sign(time, names, f"the friction of {names}{more} falls to {least:.1%}", 1.0)
     if (s.torques.shape[1] and not s.floating) or s.thrown:
         return  # a hand that slides does not fall, and what is thrown slides
     touched = s.texts("contact_with")
