@@ -121,12 +121,16 @@ def test_scores_count_the_first_and_the_first_two(monkeypatch: pytest.MonkeyPatc
         ((), False, False), ((right, wrong), True, True), ((wrong, right), False, True),
         ((wrong, wrong, right), False, False),
     ):  # fmt: skip
-        monkeypatch.setattr(race.sf, "audit_log", lambda log, causes=causes: SimpleNamespace(causes=causes))
+        told = SimpleNamespace(causes=causes, laws_broken=("motion",) if causes else ())
+        monkeypatch.setattr(race.sf, "audit_log", lambda log, told=told: told)
         trial = race.judged(run)
         assert (trial.first, trial.second) == (first, second)
         record = race.summary([trial])
         assert record["total"]["first"] == int(first)
         assert record["confusion"] == {"push": {causes[0].name if causes else race.NOTHING: 1}}
+        assert (
+            record["broken"] == {"runs": 1, "broken": 1, "motion": 1} if causes else {"runs": 1, "broken": 0}
+        )
 
 
 @pytest.mark.long
