@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from surefoot.app.viz.recorded_outlines import outline, shape_points
 from surefoot.app.viz.style import (
     BAD,
     FORCE,
@@ -20,6 +21,7 @@ from surefoot.app.viz.style import (
 )
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
+from surefoot.base.spatial import rotation_from_quaternion
 from surefoot.records.audit import AuditReport
 from surefoot.records.audit.log_context import Setting, setting_of
 from surefoot.records.audit.logged_robot import LoggedRobot
@@ -128,9 +130,11 @@ def _panels(s: Signals, report: AuditReport) -> dict[str, tuple[FloatArray, list
 def _draw_robots(axis: Any, s: Signals, setting: Setting, moments: list[tuple[float, str, bool]]) -> None:
     """Draw the robot from its side at every moment, in a row, with its ground contacts and their forces."""
     axis.set_axis_off()
+    axis.set_aspect("equal", adjustable="datalim")
     axis.set_xlim(0.0, len(moments))
-    forward = _heading(s)
-    size = 2.2 * max(s.height, 0.1)
+    forward, shapes = _heading(s), shape_points(s.log) if s.jointless else []
+    reach = max((float(np.linalg.norm(points, axis=1).max()) for points in shapes), default=0.1)
+    size = 2.2 * max(s.height, reach)
     for place, (time, words, is_cause) in enumerate(moments):
         row = int(np.searchsorted(s.time, time).clip(0, len(s.time) - 1))
         centre = np.array([s.com[row] @ forward, s.com[row] @ s.up])
@@ -140,7 +144,9 @@ def _draw_robots(axis: Any, s: Signals, setting: Setting, moments: list[tuple[fl
             return np.asarray(flat / size + np.array([place + 0.5, 0.0]))
 
         axis.add_patch(_ground(s, row, at))
-        if setting.robot is not None:
+        if s.jointless:
+            _draw_body(axis, shapes, s.numbers("q")[row], at)
+        elif setting.robot is not None:
             _draw_links(axis, setting.robot, s, row, at)
         for k in np.flatnonzero(s.loaded[row]):
             foot = s.positions[row, k]
@@ -183,6 +189,16 @@ def _ground(s: Signals, row: int, at: Any) -> Any:
         [middle - along, middle + along, middle + along - 0.1 * s.up, middle - along - 0.1 * s.up]
     )
     return Polygon(at(corners), facecolor=GROUND, edgecolor=MUTED, lw=0.6)
+
+
+def _draw_body(axis: Any, shapes: list[FloatArray], q: FloatArray, at: Any) -> None:
+    """Draw the outlines of a body without joints at a (7,) pose."""
+    from matplotlib.patches import Polygon
+
+    turn = rotation_from_quaternion(q[3:7])
+    for points in shapes:
+        corners = outline(at(points @ turn.T + q[:3]))
+        axis.add_patch(Polygon(corners, facecolor="none", edgecolor=INK, lw=1.6))
 
 
 def _draw_links(axis: Any, robot: LoggedRobot, s: Signals, row: int, at: Any) -> None:

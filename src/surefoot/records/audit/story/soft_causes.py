@@ -17,6 +17,9 @@ BEGUN = 0.1
 UPRIGHT = 0.05
 """Lean, and turning times sqrt(h / g), up to which a body lies flat [rad]."""
 
+SURE = 0.95
+"""Share of the base's reach up to which it is told that a body slides on: soft contacts sink unevenly."""
+
 
 def soft(s: Signals) -> Iterator[Sign]:
     """Yield contacts that carry the robot deep below the surface, from the start or as they land."""
@@ -98,7 +101,7 @@ def thrown_up(s: Signals) -> Iterator[Sign]:
     centre of mass is less than the base's reach ahead of it: then rigid contact slides it without a turn.
     """
     flat = _flat_slide(s) if s.jointless and "contact_velocities" in s else None
-    if flat is None or not flat.friction * flat.height < flat.ahead:
+    if flat is None or not flat.friction * flat.height < SURE * flat.ahead:
         return
     rest = slice(flat.row, _meets_more(s, flat))
     rise, lean = ((s.com - s.com[flat.row]) @ flat.normal)[rest], s.lean[rest]
