@@ -75,10 +75,17 @@ def turn_speed(rows: Rows) -> FloatArray:
 
 
 def swing(rows: Rows) -> FloatArray:
-    """Return what limbs on the log's lever accelerate by as they swing: (T,) [m/s²]; zero of one body."""
+    """Return what limbs on the log's lever accelerate by as they swing: (T,) [m/s²]; zero of one body.
+
+    A limb turns by its joints together: the two fastest turns are added, as of the base and a joint; those at
+    the end of a row where they are faster, as a step may move by them.
+    """
     if rigid(rows.log):
         return np.zeros(rows.count)
-    return np.asarray(rows.setting.limits.continuity.lever * turn_speed(rows) ** 2)
+    turns = np.sort(np.abs(turns_of(rows)), axis=1)
+    speed = turns[:, -2:].sum(axis=1)
+    speed = np.maximum(speed, np.append(speed[1:], speed[-1:]))
+    return np.asarray(rows.setting.limits.continuity.lever * speed**2)
 
 
 def limb_turns(rows: Rows, robot: LoggedRobot) -> FloatArray:
