@@ -46,6 +46,8 @@ def test_a_shoved_robot_falls_by_the_laws(seed: int) -> None:
         ("arm pushing a box", "payload", 0),  # a crate comes down on what is pushed
         ("servo hexapod", "slippery ground", 0),
         ("wheeled balancer", "push", 0),
+        ("pd quadruped", "chattering gains", 1),  # contacts open within steps of full force
+        ("servo hexapod", "chattering gains", 0),
     ],
 )
 def test_failures_of_strangers_are_no_broken_laws(loop: str, cause: str, seed: int) -> None:

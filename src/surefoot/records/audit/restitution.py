@@ -100,13 +100,16 @@ def _unloading(rows: Rows, loaded: BoolArray) -> FloatArray:
     of the ground, not the force meanwhile: sunk under little load and left under much it gives up to force
     times depth, and a body on several contacts hands that from one to another.
 
+    In the row in which it opens its force goes on for all of the step, across a gap already.
+
     `loaded` (T, p) are the touches.
     """
     damped = np.asarray(rows.log.facts.get("critically_damped", np.zeros(rows.points)), dtype=bool)
     if not damped.any() or not rows.has("gaps"):
         return np.zeros(rows.normal.shape)
-    depth = np.maximum(_margin(rows) - rows.gaps, 0.0)
-    size = _peak_since_touchdown(np.maximum(rows.normal, 0.0), loaded) * _peak_since_touchdown(depth, loaded)
+    force, depth = np.maximum(rows.normal, 0.0), np.maximum(_margin(rows) - rows.gaps, 0.0)
+    size = _peak_since_touchdown(force, loaded) * _peak_since_touchdown(depth, loaded)
+    size += force * np.maximum(np.append(rows.gaps[1:], rows.gaps[-1:], axis=0) - _margin(rows), 0.0)
     return np.broadcast_to(rows.over_robot(size * damped, np.add), size.shape)
 
 
