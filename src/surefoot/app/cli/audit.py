@@ -100,12 +100,12 @@ def _replay(
     log: Log, world: str | None, robot: Robot | None, given: LogOptions, beside: Path, trust: bool
 ) -> ReplayReport | None:
     """Replay a log in a world, if one is asked for, on its ground, a given one, or in the model beside it."""
-    from surefoot.worlds.replay.replay import replay_log
-
     if world is None:
         if trust:
             raise ProblemError("--trust is for the model of a --replay")
         return None
+    from surefoot.worlds.replay.replay import replay_log
+
     if trust:
         return replay_log(log, world, robot, given.ground(), given.mu, beside)
     try:

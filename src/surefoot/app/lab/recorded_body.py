@@ -13,7 +13,15 @@ from surefoot.app.lab.geometry import join_surfaces, pose_of
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.spatial import quaternion_about, quaternion_xyzw, rotation_from_quaternion
 from surefoot.records import Log
-from surefoot.worlds.replay.recorded_model import recorded_hull
+from surefoot.worlds.replay.recorded_model import (
+    BOX,
+    CAPSULE,
+    CYLINDER,
+    ELLIPSOID,
+    MESH,
+    SPHERE,
+    recorded_hull,
+)
 
 NEEDED = (
     "model_bodies", "model_parents", "model_positions", "model_orientations", "model_joint_kinds",
@@ -21,8 +29,6 @@ NEEDED = (
     "model_geom_types", "model_geom_sizes", "model_geom_positions", "model_geom_orientations",
 )  # fmt: skip
 """Facts of a recording without which its robot is not drawn."""
-SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH = 2, 3, 4, 5, 6, 7
-"""MuJoCo's numbers of shapes."""
 
 
 class RecordedBody:

@@ -7,12 +7,18 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import quaternion_xyzw, rotation_from_quaternion
 from surefoot.records import Log
-from surefoot.worlds.replay.recorded_model import recorded_hull
+from surefoot.worlds.replay.recorded_model import (
+    BOX,
+    CAPSULE,
+    CYLINDER,
+    ELLIPSOID,
+    MESH,
+    SPHERE,
+    recorded_hull,
+)
 
 NEEDED = ("model_geom_types", "model_geom_sizes", "model_geom_positions", "model_geom_orientations")
 """Facts of a recording without which nothing is drawn."""
-SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH = 2, 3, 4, 5, 6, 7
-"""MuJoCo's numbers of shapes."""
 TURNS = 24
 """Corners of a circle."""
 

@@ -8,13 +8,12 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
-from surefoot.base.discrete_damping import REPLAYED, largest_damping
 from surefoot.base.errors import ProblemError
 from surefoot.records import Log
 from surefoot.worlds.mujoco.record_model import body_name
 from surefoot.worlds.mujoco.record_tree import BodyTree
 from surefoot.worlds.mujoco.spec import import_mujoco
-from surefoot.worlds.replay.replay_task import DAMPING_TIME, row_clock
+from surefoot.worlds.replay.replay_task import refuse_not_finite, row_clock, tracking_gains
 
 NEEDED = ("q", "v", "com")
 """Channels without which nothing is replayed."""
@@ -81,10 +80,7 @@ def model_task(log: Log, model: Any) -> ModelTask:
     qpos, qvel = _states(mujoco, log, model, tree)
     torques = np.array(log["torques"]) if "torques" in log else np.zeros((len(time), tree.joints))
     limits = np.asarray(log.facts.get("model_torque_limits", np.full(tree.joints, np.inf)), dtype=np.float64)
-    for name, values in {"q": qpos, "v": qvel, "torques": torques}.items():
-        bad = ~np.isfinite(values).all(axis=1)
-        if bad.any():
-            raise ProblemError(f"{name} is not finite in row {int(bad.argmax())}")
+    refuse_not_finite({"q": qpos, "v": qvel, "torques": torques})
     poses, pushes, pushed = _poses_and_pushes(mujoco, log, model, tree, qpos)
     stiffness, damping = _gains(mujoco, log, model, tree, qpos[0])
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_ACTUATION)
@@ -190,6 +186,4 @@ def _gains(
         mujoco.mj_solveM(model, data, solved, units)
     inertia, dt = 1.0 / solved[np.arange(len(dofs)), dofs], float(model.opt.timestep)
     weight = tree.mass * float(np.linalg.norm(model.opt.gravity))
-    stiffness = np.full(len(dofs), weight * max(abs(_height(log)), 0.1))
-    damping = np.minimum(DAMPING_TIME * stiffness, largest_damping(inertia, dt, REPLAYED))
-    return np.minimum(stiffness, REPLAYED**2 * inertia / dt**2), damping
+    return tracking_gains(inertia, weight * max(abs(_height(log)), 0.1), dt)

@@ -20,10 +20,10 @@ from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import FlatTerrain, Robot, Terrain, load_robot
 from surefoot.records import Log
 
-SHAPES = {2: "sphere", 3: "capsule", 4: "ellipsoid", 5: "cylinder", 6: "box"}
-"""MuJoCo's numbers of the plain shapes that a foot may have."""
-MESH = 7
-"""That of a mesh, whose hull's corners a recording keeps where it may touch."""
+SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH = 2, 3, 4, 5, 6, 7
+"""MuJoCo's numbers of shapes; of a mesh a recording keeps its hull's corners where it may touch."""
+SHAPES = {SPHERE: "sphere", CAPSULE: "capsule", ELLIPSOID: "ellipsoid", CYLINDER: "cylinder", BOX: "box"}
+"""The plain shapes that a foot may have."""
 NEEDED = (
     "model_bodies", "model_parents", "model_masses", "model_inertias", "model_centres", "model_inertia_axes",
     "model_positions", "model_orientations", "model_joint_bodies", "model_joint_axes", "model_joint_places",

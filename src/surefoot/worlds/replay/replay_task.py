@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -91,10 +92,7 @@ def _task(log: Log, robot: Robot | None, terrain: Terrain | None, mu: float | No
     row, steps = row_clock(time)
     push = np.asarray(log["push"]) if "push" in log else np.zeros((len(time), 3))
     friction = _friction(log, mu, len(time))
-    for name, values in {"q": q, "v": v, "torques": torques, "push": push, "mu": friction}.items():
-        bad = ~np.isfinite(values.reshape(len(time), -1)).all(axis=1)
-        if bad.any():
-            raise ProblemError(f"{name} is not finite in row {int(bad.argmax())}")
+    refuse_not_finite({"q": q, "v": v, "torques": torques, "push": push, "mu": friction})
     payload = real_number("the fact payload", log.facts.get("payload", 0.0), low=0.0, high=1e4)
     place = finite_array("the fact payload_position", log.facts.get("payload_position", np.zeros(3)), (3,))
     stiffness, damping = _gains(log, robot, row / steps)
@@ -145,6 +143,24 @@ def _motion(log: Log, robot: Robot) -> tuple[FloatArray, FloatArray, FloatArray]
     return q, v, torques
 
 
+def refuse_not_finite(rows: Mapping[str, FloatArray]) -> None:
+    """Raise `ProblemError` for the first of several (T, ...) arrays that has a row which is no number."""
+    for name, values in rows.items():
+        bad = ~np.isfinite(values.reshape(len(values), -1)).all(axis=1)
+        if bad.any():
+            raise ProblemError(f"{name} is not finite in row {int(bad.argmax())}")
+
+
+def tracking_gains(inertia: FloatArray, stiffest: float, dt: float) -> tuple[FloatArray, FloatArray]:
+    """Return stiffness and damping (n,) of joints whose own inertia is (n,) `inertia`, in steps of dt [s].
+
+    Both are bounded by what a discrete loop can hold of it, the stiffness by `stiffest` as well [N m/rad].
+    """
+    stiffness = np.full(len(inertia), stiffest)
+    damping = np.minimum(DAMPING_TIME * stiffness, largest_damping(inertia, dt, REPLAYED))
+    return np.minimum(stiffness, REPLAYED**2 * inertia / dt**2), damping
+
+
 def row_clock(time: FloatArray) -> tuple[float, int]:
     """Return the time from row to row of (T,) times [s], and the world's steps in it."""
     gaps = np.diff(time)
@@ -183,6 +199,4 @@ def _gains(log: Log, robot: Robot, dt: float) -> tuple[FloatArray, FloatArray]:
         return given[0], given[1]
     inverse = np.asarray(pinocchio.computeMinverse(robot.model, robot.data, robot.nominal))
     inertia = 1.0 / np.diag(inverse)[robot.base_dof :]
-    stiffness = np.full(robot.joints, robot.mass * GRAVITY * max(float(robot.nominal[2]), 0.1))
-    damping = np.minimum(DAMPING_TIME * stiffness, largest_damping(inertia, dt, REPLAYED))
-    return np.minimum(stiffness, REPLAYED**2 * inertia / dt**2), damping
+    return tracking_gains(inertia, robot.mass * GRAVITY * max(float(robot.nominal[2]), 0.1), dt)
