@@ -23,7 +23,7 @@ from surefoot.records.log import Log
 CONE_LIMIT = 1e-3
 """A commanded force leaves its cone if it is this share of m g outside."""
 TOUCHED = 1e-3
-"""Something else than feet on ground touches from this generalised force on, as a share of m g."""
+"""Something else than a foot touches the ground from this wrench on the base on, as a share of m g."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class Measures:
     cone_violations
         Share of the steps at which a force that the controller counted on lies outside the true cone.
     hits
-        Share of the steps at which something else than feet on ground touched.
+        Share of the steps at which something else than a foot touched the ground; NaN where nothing else can.
     laws
         The laws of contact that the motion broke, a line each.
     estimate_velocity, estimate_drift
@@ -87,7 +87,7 @@ class Measures:
     friction_use: float = math.nan
 
 
-def measured(log: Log, asked: FloatArray, settled: float) -> Measures:
+def measured(log: Log, asked: FloatArray, settled: float, links: bool) -> Measures:
     """Return what a log says.
 
     Parameters
@@ -98,6 +98,8 @@ def measured(log: Log, asked: FloatArray, settled: float) -> Measures:
         (T, 3) velocity that was asked for at each of its rows: forward, left [m/s], yaw rate [rad/s].
     settled
         From when on the velocity should be the asked one [s].
+    links
+        Whether its world lets anything but feet touch.
     """
     weight, dt = log.fact("mass") * GRAVITY, float(log.fact("dt"))
     velocity, late = heading_velocity(log), log["time"] >= settled
@@ -121,7 +123,7 @@ def measured(log: Log, asked: FloatArray, settled: float) -> Measures:
         beyond_curve=math.nan if motors is None else motors.beyond_curve_share,
         cost_of_transport=cost_of_transport(log, weight),
         cone_violations=float(outside_cones(log, CONE_LIMIT * weight).mean()),
-        hits=_hits(log, weight),
+        hits=_hits(log, weight) if links else math.nan,
         laws=tuple(log_laws(log).broken(weight)),
         estimate_velocity=math.nan if errors is None else errors.velocity_rms,
         estimate_drift=drift,
@@ -186,4 +188,5 @@ def outside_cones(log: Log, least: float) -> BoolArray:
 def _hits(log: Log, weight: float) -> float:
     if "other_forces" not in log:
         return math.nan
-    return float((np.abs(log["other_forces"]).max(axis=1) > TOUCHED * weight).mean())
+    # what touches moves the base; joints at their stops, which the channel holds as well, do not
+    return float((np.abs(log["other_forces"][:, :6]).max(axis=1) > TOUCHED * weight).mean())

@@ -153,7 +153,7 @@ def carry_out(stack: Stack, task: Task, seed: int, setting: Setting = HARD) -> T
     if log.fact("outcome") == Ending.INTERRUPTED:
         raise KeyboardInterrupt
     spent = cpu.spent + (sum(controller.cpu) if controller.apart else 0.0)
-    return _trial(stack, task, seed, log, controller, spent)
+    return _trial(stack, task, seed, log, controller, spent, setting.collision != "feet")
 
 
 def _line(error: Exception) -> str:
@@ -211,7 +211,9 @@ def push_time(controller: TimedController, phase: float) -> float:
     return round(start + (cycles + phase) * period, 3)
 
 
-def _trial(stack: Stack, task: Task, seed: int, log: Log, controller: TimedController, spent: float) -> Trial:
+def _trial(
+    stack: Stack, task: Task, seed: int, log: Log, controller: TimedController, spent: float, links: bool
+) -> Trial:
     """Return what a log and the clocks say."""
     robot, asked = known_robot(task.robot), asked_velocity(task)
     height = float(robot.nominal[2])
@@ -222,7 +224,7 @@ def _trial(stack: Stack, task: Task, seed: int, log: Log, controller: TimedContr
         settled = max(settled, float(log["time"][pushed[-1]]) + RECOVERED)
     ending, duration = str(log.fact("outcome")), len(log) * float(log.fact("dt"))
     why = str(log.facts.get("error", "")) or "; ".join(log.facts.get("notes") or ())
-    measures = Measures() if ending == Ending.INVALID else measured(log, wanted, settled)
+    measures = Measures() if ending == Ending.INVALID else measured(log, wanted, settled, links)
     times = 1e6 * np.array(controller.cpu)
     busy = times[times > 0.0]
     return Trial(
