@@ -8,9 +8,15 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from benchmarks.friction_walks import slipping_walk
+from benchmarks.friction_walks import slippery_walk, slipping_walk
 from surefoot.base.errors import ProblemError
-from surefoot.records.identification.foot_friction import FootFriction, friction_of_feet, friction_of_walk
+from surefoot.records.identification.foot_friction import (
+    FootFriction,
+    friction_of_feet,
+    friction_of_ground,
+    friction_of_walk,
+)
+from surefoot.records.identification.walk_forces import FootForces
 from surefoot.records.identification.walk_motion import WalkRows
 
 DT, ROWS, MU = 0.001, 2000, 0.4
@@ -30,14 +36,20 @@ def made_rows(robot: sf.Robot, sliding: np.ndarray) -> WalkRows:
     )  # fmt: skip
 
 
-def bounds(use: np.ndarray, sliding: np.ndarray, left: float = 0.5) -> FootFriction:
-    """The interval of a foot that bears 40 N and uses (T,) friction."""
+def bounds(use: np.ndarray, sliding: np.ndarray, off: float = 0.5, against: float = -1.0) -> FootFriction:
+    """The interval of feet that bear 40 N, use (T,) friction, by forces that are `off` [N]."""
     robot = sf.load_robot("go2")
     rows = made_rows(robot, sliding)
-    forces = np.zeros((ROWS, len(robot.contact_points), 3))
-    forces[:, :, 0], forces[:, :, 2] = 40.0 * use[:, None], 40.0
+    forces = np.zeros((ROWS, len(robot.feet), 3))
+    forces[:, :, 0], forces[:, :, 2] = against * 40.0 * use[:, None], 40.0
+    open_left, scales = (np.broadcast_to(size**2 * np.eye(3), (*forces.shape, 3)) for size in (off, 0.6))
+    pushed = FootForces(forces, open_left, scales)
     steady = np.ones(ROWS, dtype=bool)
-    return friction_of_feet(robot, rows, forces, np.full(ROWS, left), steady, DT)[0]
+    feet = friction_of_feet(robot, rows, pushed, steady, DT)
+    ground = friction_of_ground(robot, rows, pushed, steady, DT)
+    assert ground.slips == sum(foot.slips for foot in feet)
+    assert ground.low >= feet[0].low - 1e-12
+    return feet[0]
 
 
 def slides(count: int) -> np.ndarray:
@@ -65,12 +77,39 @@ def test_slides_tell_friction_and_few_of_them_do_not() -> None:
 
 def test_forces_that_are_badly_known_bound_nothing() -> None:
     """A landing whose forces look like more than there is, and leave much of the motion unexplained."""
-    assert bounds(np.full(ROWS, 0.9), np.zeros(ROWS, dtype=bool), left=40.0).low == 0.0
+    assert bounds(np.full(ROWS, 0.9), np.zeros(ROWS, dtype=bool), off=40.0).low == 0.0
+
+
+def test_a_foot_whose_friction_does_not_oppose_its_motion_does_not_slide() -> None:
+    """An estimated base that drifts moves standing feet: they use less than there is."""
+    use = np.where(slides(12), 0.1, 0.2)
+    for against in (1.0, 0.0):
+        found = bounds(use, slides(12), against=against)
+        assert found.slips == 0
+        assert math.isinf(found.high)
+
+
+def test_a_few_slides_of_other_use_are_outvoted() -> None:
+    use = np.where(slides(12), np.where(np.arange(ROWS) < 400, 0.15, MU), 0.1)
+    found = bounds(use, slides(12))
+    assert found.low < MU < found.high
+    assert found.high - found.low < 0.2
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [3, 6])
+def test_feet_that_slip_ten_times_tell_friction(seed: int) -> None:
+    """Pushed every second; with forces of all equations alike, a quarter of such feet missed the truth."""
+    log, mu = slippery_walk(seed)
+    found = friction_of_walk(sf.load_robot("go2"), log)
+    assert all(foot.low <= mu <= foot.high for foot in found)
+    assert all(foot.high - foot.low < 0.2 for foot in found if foot.slips >= 10)
+    assert sum(foot.slips for foot in found) > 10
 
 
 @pytest.mark.long
 def test_a_walk_that_slips_on_a_slippery_floor() -> None:
-    log, mu = slipping_walk(11)
+    log, mu = slipping_walk(29)
     robot = sf.load_robot("go2")
     found = friction_of_walk(robot, log)
     assert all(foot.low <= mu <= foot.high for foot in found)

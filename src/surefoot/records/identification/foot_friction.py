@@ -1,8 +1,9 @@
 """Friction under each foot of a recorded walk: an interval, or only a lower bound where the foot never slid.
 
 A foot uses no more friction than there is, so that the most it used bounds mu below; a foot that slides uses
-all of it. Forces are known from joints and motion alone, and badly where a foot lands: each row gets the
-deviation of its forces from what the equation of motion leaves over there, and counts by it.
+all of it, against its way. Each row's forces come with what the equation of motion leaves open of them, and
+count by it; an estimated base that drifts makes standing feet seem to move, but their friction does not
+oppose that.
 """
 
 from __future__ import annotations
@@ -11,19 +12,19 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
+from scipy.ndimage import minimum_filter1d, uniform_filter1d
 
 from surefoot.base.arrays import BoolArray, FloatArray, of_kind
 from surefoot.base.errors import ProblemError
 from surefoot.base.numerics.phases import runs_of
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot, real_actuators
+from surefoot.records.identification.walk_forces import FootForces, foot_forces_of
 from surefoot.records.identification.walk_motion import (
     CREEP,
     WINDOW,
     WalkRows,
     fit_motion,
-    forces_of,
     walk_channels,
     walk_rows,
 )
@@ -34,10 +35,11 @@ LOADED = 0.12
 LASTED = 0.02
 """A use of friction counts that lasts so long [s]."""
 CREEPING = 0.04
-"""Mean speed over `LASTED` from which a loaded foot slides [m/s]."""
-SHARE, LEFT = 0.02, 0.4
-"""Deviation of a foot's force by scales of torques and by masses, of its normal force [-], and by what the
-equation of motion leaves over there, of its largest within `LASTED` [-]: measured on simulated walks."""
+"""Mean speed over `LASTED` from which a loaded foot may slide [m/s]."""
+OPPOSED = 0.9
+"""Least cosine between a slide and what friction opposes: a sliding foot's friction is against its way."""
+SHARE = 0.02
+"""Deviation of used friction by masses, places and clocks, as a share of it [-]."""
 SURE = 2.6
 """Deviations that a bound is taken wider by: the most of many rows is looked for."""
 SLIPS = 5
@@ -111,13 +113,13 @@ def friction_of_walk(robot: Robot, log: Log, known: BoolArray | None = None) -> 
     rows = walk_rows(robot, q, v, torques, log.arrays.get("normals"), dt)
     motors = real_actuators(robot)
     theta, _ = fit_motion(rows, motors, max(2, round(WINDOW / dt)), CREEP)
-    forces, left = forces_of(rows, motors, theta, dt)
+    pushed = foot_forces_of(robot, rows, motors, theta, dt)
     steady = is_upright(q[:-1]) if known is None else is_upright(q[:-1]) & known[:-1]
-    return friction_of_feet(robot, rows, forces, left, steady, dt)
+    return friction_of_feet(robot, rows, pushed, steady, dt)
 
 
 def friction_of_feet(
-    robot: Robot, rows: WalkRows, forces: FloatArray, left: FloatArray, upright: BoolArray, dt: float
+    robot: Robot, rows: WalkRows, pushed: FootForces, upright: BoolArray, dt: float
 ) -> tuple[FootFriction, ...]:
     """Return friction under each foot.
 
@@ -125,25 +127,24 @@ def friction_of_feet(
     ----------
     robot, rows
         Who walked, and how.
-    forces
-        (T, p, 3) on the contact points, axes of the ground [N].
-    left
-        (T,) deviation of a force that the equation of motion leaves open [N].
+    pushed
+        Forces on the feet.
     upright
         (T,) where nothing but feet touches.
     dt
         Of a row [s].
     """
-    owner = np.asarray(robot.contact_points.foot)
-    motion = np.einsum("tpji,tpj->tpi", rows.frames, np.einsum("tpiv,tv->tpi", rows.levers, rows.v))
-    window = max(2, round(LASTED / dt))
-    out = []
-    for k, foot in enumerate(robot.feet):
-        mine = owner == k
-        force, speed = forces[:, mine].sum(axis=1), motion[:, mine].mean(axis=1)
-        steady = upright & ~rows.swung[:, mine].any(axis=1)
-        out.append(_bound(foot.name, force, speed, steady, left, LOADED * robot.mass * GRAVITY, window))
-    return tuple(out)
+    seen = _seen(robot, rows, pushed, upright, dt)
+    return tuple(_bound(foot.name, one) for foot, one in zip(robot.feet, seen, strict=True))
+
+
+def friction_of_ground(
+    robot: Robot, rows: WalkRows, pushed: FootForces, upright: BoolArray, dt: float
+) -> FootFriction:
+    """Return friction of the ground, the same under all feet, from the parameters of `friction_of_feet`."""
+    seen = _seen(robot, rows, pushed, upright, dt)
+    slides = (np.concatenate(parts) for parts in zip(*(one[1:] for one in seen), strict=True))
+    return _bound("ground", _Seen(max(one.low for one in seen), *slides))
 
 
 def is_upright(q: FloatArray) -> BoolArray:
@@ -152,29 +153,73 @@ def is_upright(q: FloatArray) -> BoolArray:
     return np.asarray(np.logical_and.accumulate(up > math.cos(LEANS)))
 
 
-def _bound(
-    name: str, force: FloatArray, velocity: FloatArray, steady: BoolArray, left: FloatArray, least: float,
+class _Seen(NamedTuple):
+    """What a foot shows: friction that it surely used, and (s,) what its slides used, with deviations.
+
+    `shared` are those that all slides have alike.
+    """
+
+    low: float
+    uses: FloatArray
+    errors: FloatArray
+    shared: FloatArray
+
+
+def _seen(robot: Robot, rows: WalkRows, pushed: FootForces, upright: BoolArray, dt: float) -> list[_Seen]:
+    """Return what each foot shows of friction."""
+    owner = np.asarray(robot.contact_points.foot)
+    motion = np.einsum("tpji,tpj->tpi", rows.frames, np.einsum("tpiv,tv->tpi", rows.levers, rows.v))
+    window, least = max(2, round(LASTED / dt)), LOADED * robot.mass * GRAVITY
+    out = []
+    for k in range(len(robot.feet)):
+        mine = owner == k
+        force, velocity = pushed.forces[:, k], motion[:, mine].mean(axis=1)
+        bears = upright & ~rows.swung[:, mine].any(axis=1) & (force[:, 2] > least)
+        loaded = minimum_filter1d(bears.astype(np.int8), window) > 0
+        errors = pushed.covariance[:, k], pushed.by_scales[:, k]
+        out.append(_of_foot(force, errors, velocity[:, :2], loaded, window))
+    return out
+
+
+def _of_foot(
+    force: FloatArray, errors: tuple[FloatArray, FloatArray], velocity: FloatArray, loaded: BoolArray,
     window: int,
-) -> FootFriction:  # fmt: skip
-    """Return the interval of one foot, of its forces and velocities (T, 3)."""
-    normal = np.maximum(force[:, 2], 1e-9)
-    used = np.hypot(force[:, 0], force[:, 1]) / normal
-    error = np.hypot(SHARE, LEFT * maximum_filter1d(left, window) * np.sqrt(1.0 + used**2) / normal)
-    loaded = minimum_filter1d((steady & (force[:, 2] > least)).astype(np.int8), window) > 0
-    mean = uniform_filter1d(velocity[:, :2], window, axis=0)
-    sliding = loaded & (minimum_filter1d(np.linalg.norm(mean, axis=1), window) > CREEPING)
-    surely = np.where(loaded, minimum_filter1d(used - SURE * error, window), 0.0)
-    low = max(0.0, float(surely.max()))
-    slides = [slice(a, b) for a, b in runs_of(sliding)]
-    if len(slides) < SLIPS:
-        return FootFriction(name, low, math.inf, len(slides))
-    uses = np.array([np.average(used[s], weights=error[s] ** -2) for s in slides])
-    errors = np.array([error[s].min() for s in slides])
-    # a middle by weights: slides of badly known forces, and false ones, are outvoted
-    order = np.argsort(uses)
-    share = np.cumsum(errors[order] ** -2) / np.sum(errors**-2)
-    middle = float(uses[order][np.searchsorted(share, 0.5)])
-    spread = 1.4826 * float(np.median(np.abs(uses - middle)))
-    half = SURE * math.hypot(max(spread, float(np.median(errors))) / math.sqrt(len(uses)), SHARE)
-    low = max(low, middle - half)
-    return FootFriction(name, min(low, middle), middle + half, len(slides))
+) -> _Seen:  # fmt: skip
+    """Return what a foot shows, of forces (T, 3), their covariances, velocities (T, 2) and where it bears."""
+    normal, size = np.maximum(force[:, 2], 1e-9), np.hypot(force[:, 0], force[:, 1])
+    used = size / normal
+    along = np.stack([*(force[:, :2].T / np.maximum(size, 1e-9)), -used], axis=1)
+    error, alike = (np.sqrt(np.einsum("ti,tij,tj->t", along, one, along)) / normal for one in errors)
+    alike = np.hypot(alike, SHARE * used)
+    surely = minimum_filter1d(used - SURE * np.hypot(error, alike), window)
+    mean = uniform_filter1d(velocity, window, axis=0)
+    speed = np.linalg.norm(mean, axis=1)
+    against = -np.einsum("ti,ti->t", force[:, :2], mean) / np.maximum(size * speed, 1e-9)
+    moving = loaded & (minimum_filter1d(speed, window) > CREEPING)
+    slides = [s for s in (slice(a, b) for a, b in runs_of(moving)) if np.median(against[s]) > OPPOSED]
+    uses = np.array([np.average(used[s], weights=(error[s] + 1e-6) ** -2) for s in slides])
+    each = np.array([error[s].min() for s in slides])
+    shared = np.array([np.median(alike[s]) for s in slides])
+    return _Seen(float(np.where(loaded, surely, 0.0).max(initial=0.0)), uses, each, shared)
+
+
+def _bound(name: str, seen: _Seen) -> FootFriction:
+    """Return the interval of what was seen."""
+    low, uses, errors, shared = seen
+    if len(uses) < SLIPS:
+        return FootFriction(name, low, math.inf, len(uses))
+    # middles by weights: slides of badly known forces, and false ones, are outvoted
+    weights = (errors + 1e-6) ** -2
+    middle = _weighted_median(uses, weights)
+    spread = 1.4826 * _weighted_median(np.abs(uses - middle), weights)
+    each = max(spread, math.sqrt(len(uses) / np.sum(weights)))
+    count = np.sum(weights) ** 2 / np.sum(weights**2)  # of slides that weigh alike
+    half = SURE * math.hypot(each / math.sqrt(count), _weighted_median(shared, weights))
+    return FootFriction(name, max(0.0, middle - half), middle + half, len(uses))
+
+
+def _weighted_median(values: FloatArray, weights: FloatArray) -> float:
+    """Return the value that has half of the weight at or below it."""
+    order = np.argsort(values)
+    share = np.cumsum(weights[order]) / np.sum(weights)
+    return float(values[order[np.argmax(share >= 0.5)]])

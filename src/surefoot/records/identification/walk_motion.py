@@ -12,7 +12,6 @@ from scipy.ndimage import convolve1d, minimum_filter1d
 from surefoot.base.arrays import BoolArray, FloatArray, finite_array
 from surefoot.base.errors import ProblemError
 from surefoot.mechanics import Actuators, Robot, surface_frames
-from surefoot.records.identification.friction_tracker import SUSTAINED
 from surefoot.records.log import Log
 
 WINDOW, CREEP = 0.05, 0.03
@@ -167,22 +166,3 @@ def _solve(system: FloatArray, weights: FloatArray) -> FloatArray:
     size = np.linalg.norm(flat[:, :-1], axis=0)
     size[size == 0.0] = 1.0
     return np.asarray(np.linalg.lstsq(flat[:, :-1] / size, flat[:, -1], rcond=1e-10)[0] / size)
-
-
-def forces_of(
-    rows: WalkRows, motors: Actuators, theta: FloatArray, dt: float
-) -> tuple[FloatArray, FloatArray]:
-    """Return (T, p, 3) forces on the contact points, axes of the ground, and (T,) their deviation [N].
-
-    The deviation is what the equation of motion leaves over, per number that the forces do not fit.
-    """
-    X, y = motion_terms(rows, motors, CREEP, 0.0)
-    levers, needed = foot_levers(rows), X @ theta - y
-    back = np.linalg.pinv(levers, rcond=1e-6)
-    pushed = back @ needed[:, :, None]
-    count, window = rows.frames.shape[:3], max(1, round(SUSTAINED / dt))
-    forces = np.einsum("tpji,tpj->tpi", rows.frames, smooth(pushed.reshape(count), window))
-    over = smooth(needed - (levers @ pushed)[:, :, 0], window)
-    free = np.maximum(needed.shape[1] - np.linalg.matrix_rank(levers), 1)
-    size = np.linalg.norm(back, ord=2, axis=(1, 2))
-    return np.asarray(forces), np.asarray(size * np.linalg.norm(over, axis=1) / np.sqrt(free))

@@ -26,24 +26,26 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy import stats
-from scipy.ndimage import minimum_filter1d, shift
+from scipy.ndimage import shift
 
-from surefoot.base.arrays import FloatArray, of_kind
+from surefoot.base.arrays import of_kind
 from surefoot.base.drawn import Drawn
 from surefoot.base.errors import ProblemError, count_of
-from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot, real_actuators
-from surefoot.records.identification.foot_friction import FootFriction, friction_of_feet, is_upright
-from surefoot.records.identification.friction_tracker import SLIDING_SPEED, SUSTAINED
+from surefoot.records.identification.foot_friction import (
+    FootFriction,
+    friction_of_feet,
+    friction_of_ground,
+    is_upright,
+)
 from surefoot.records.identification.toss_fit import Estimate
+from surefoot.records.identification.walk_forces import foot_forces_of
 from surefoot.records.identification.walk_motion import (
     CREEP,
     WINDOW,
     WalkRows,
     figures_of,
     fit_motion,
-    forces_of,
-    smooth,
     walk_channels,
     walk_rows,
 )
@@ -62,8 +64,6 @@ DRAWS = 12
 LATEST, AGREED, JUMPS = 0.03, 0.5, 5.0
 """Longest latency that is looked for [s], the least correlation that tells one, and how many times the median
 a change is that is left out."""
-LOADED, SLID = 0.1, 30
-"""Share of m g over the feet from which a foot tells of friction, and sliding rows that tell it."""
 FACTORS = ("armature", "joint_damping", "joint_friction")
 """Factors of the figures of `real_actuators`."""
 
@@ -161,32 +161,13 @@ def identify_robot(robot: Robot, log: Log, seed: int = 0) -> RobotFit:
         notes.append("delay: the log does not say which forces were commanded")
     else:
         found["delay"] = delay
-    forces, left = forces_of(rows, motors, best, dt)
-    found["mu"] = _friction(rows, forces, robot, dt)
-    feet = friction_of_feet(robot, rows, forces, left, is_upright(q[:-1]), dt)
+    seen = robot, rows, foot_forces_of(robot, rows, motors, best, dt), is_upright(q[:-1]), dt
+    feet, ground = friction_of_feet(*seen), friction_of_ground(*seen)
+    middle = ground.low if math.isinf(ground.high) else 0.5 * (ground.low + ground.high)
+    found["mu"] = Estimate(middle, ground.low, ground.high)
     if math.isinf(found["mu"].high):
         notes.append(f"mu: no foot slid, so that it is only known to be above {found['mu'].low:.2f}")
     return RobotFit(found, tuple(notes), feet)
-
-
-def _friction(rows: WalkRows, forces: FloatArray, robot: Robot, dt: float) -> Estimate:
-    """Return friction: at least what a foot used for `SUSTAINED`; no more than that where feet slid.
-
-    What a sliding foot uses scatters by the errors of the forces, and is given with its quantiles.
-    """
-    around = 2 * round(SUSTAINED / dt) + 1
-    normal = np.maximum(forces[:, :, 2], 1e-9)
-    used = np.hypot(forces[:, :, 0], forces[:, :, 1]) / normal
-    motion = np.einsum("tpji,tpj->tpi", rows.frames, np.einsum("tpiv,tv->tpi", rows.levers, rows.v))
-    speed = np.linalg.norm(smooth(motion[:, :, :2], around), axis=2)
-    least = LOADED * robot.mass * GRAVITY / len(robot.feet)
-    loaded = minimum_filter1d((normal > least).astype(np.int8), around, axis=0) > 0
-    slid = used[loaded & (minimum_filter1d(speed, around, axis=0) > SLIDING_SPEED)]
-    if slid.size >= SLID:
-        low, middle, high = np.quantile(slid, [0.025, 0.5, 0.975])
-        return Estimate(float(middle), float(low), float(high))
-    lasted = np.where(loaded, minimum_filter1d(used, around, axis=0), 0.0)
-    return Estimate(float(lasted.max()), float(lasted.max()), math.inf)
 
 
 def _latency(rows: WalkRows, log: Log, dt: float) -> Estimate | None:
