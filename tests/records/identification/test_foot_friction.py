@@ -16,7 +16,7 @@ from surefoot.records.identification.foot_friction import (
     friction_of_ground,
     friction_of_walk,
 )
-from surefoot.records.identification.walk_forces import FootForces
+from surefoot.records.identification.walk_forces import WalkForces
 from surefoot.records.identification.walk_motion import WalkRows
 
 DT, ROWS, MU = 0.001, 2000, 0.4
@@ -43,7 +43,7 @@ def bounds(use: np.ndarray, sliding: np.ndarray, off: float = 0.5, against: floa
     forces = np.zeros((ROWS, len(robot.feet), 3))
     forces[:, :, 0], forces[:, :, 2] = against * 40.0 * use[:, None], 40.0
     open_left, scales = (np.broadcast_to(size**2 * np.eye(3), (*forces.shape, 3)) for size in (off, 0.6))
-    pushed = FootForces(forces, open_left, scales)
+    pushed = WalkForces(forces, open_left, scales)
     steady = np.ones(ROWS, dtype=bool)
     feet = friction_of_feet(robot, rows, pushed, steady, DT)
     ground = friction_of_ground(robot, rows, pushed, steady, DT)

@@ -9,13 +9,13 @@ import pytest
 import surefoot as sf
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import real_actuators
-from surefoot.records.identification.walk_forces import FootForces, foot_forces_of
+from surefoot.records.identification.walk_forces import WalkForces, foot_forces_of
 from surefoot.records.identification.walk_motion import walk_rows
 
 DT, ROWS = 0.002, 400
 
 
-def held(name: str, push: float, noise: float = 0.0) -> tuple[FootForces, np.ndarray]:
+def held(name: str, push: float, noise: float = 0.0) -> tuple[WalkForces, np.ndarray]:
     """What is found of a robot that stands and is pushed for a fifth of the time, and (T, n, 3) truth."""
     robot, random = sf.load_robot(name), np.random.default_rng(3)
     model, data = robot.model, robot.model.createData()

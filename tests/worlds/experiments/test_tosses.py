@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,12 @@ from surefoot.records.identification.tosses import Cube
 from surefoot.worlds.experiments.tosses import RIVALS
 
 STIFF = {"mujoco": [0.2, 0.004, 1.0, 0.95, 0.99]}
+
+
+@pytest.mark.parametrize("name", RIVALS)
+def test_rivals_go_to_other_processes(name: str) -> None:
+    copy = pickle.loads(pickle.dumps(rival(name)))
+    assert (copy.name, copy.parameters) == (name, rival(name).parameters)
 
 
 def scene(

@@ -57,7 +57,7 @@ def certify(
     picture: Annotated[
         Path | None, typer.Option(help="New file of the picture or page (.html) of a single motion.")
     ] = None,
-    jobs: Annotated[int | None, typer.Option(min=1, help="Processes; all cores by default.")] = None,
+    jobs: options.Jobs = None,
     as_json: options.AsJson = False,
 ) -> int:
     """Tell whether the ground and the motors could give the forces of motions, which frames not, and why.

@@ -31,12 +31,7 @@ NAMED = "auto"
 
 
 def identify(
-    tosses: Annotated[
-        Path,
-        typer.Argument(
-            help="An .npz file of tosses, a walk's log.npz, or a leg's .csv log; see docs/identify.md."
-        ),
-    ],
+    tosses: Annotated[Path, typer.Argument(help="An .npz of tosses, a walk's log.npz or a leg's .csv log.")],
     model: Annotated[
         Path | None,
         typer.Option(help="URDF or MJCF of what was thrown, a cube if none; of the leg; or the robot."),
@@ -59,6 +54,7 @@ def identify(
     folds: Annotated[int, typer.Option(help="Parts of a cross-validation of all tosses; 0 for none.")] = 0,
     resamples: Annotated[int, typer.Option(help="Bootstrap samples behind the 95 % intervals.")] = 1000,
     seed: Annotated[int, typer.Option(help="Of the resampling and of the points tried.")] = 0,
+    jobs: options.Jobs = None,
     out: options.PictureOut = Path("runs"),
     picture: options.Picture = True,
     as_json: options.AsJson = False,
@@ -67,24 +63,25 @@ def identify(
     from surefoot.app.cli.identify_robot import identify_robot, is_log
 
     given = {"--law": law, "--rivals": rivals != NAMED, "--resamples": resamples != 1000, "--seed": seed}
-    given["--folds"] = folds != 0
+    given |= {"--folds": folds, "--jobs": jobs is not None}
     if tosses.suffix == ".csv":
         from surefoot.app.cli.identify_forces import identify_forces
 
         return identify_forces(tosses, model, test, out, as_json, given)
     if is_log(tosses):
         return identify_robot(tosses, model, out, as_json, {**given, "--test": test is not None})
-    from surefoot.records.identification.toss_model import ThrownModel
 
-    check_out(out if picture else None)
+    check_out(out if picture or folds else None)
     whole_number("--seed", seed)
     whole_number("--resamples", resamples, low=20)
-    recorded, others = _read_both(tosses, test, folds)
+    recorded, others = _read_both(tosses, test, folds, jobs)
     laws = list(dict.fromkeys(law or ["rigid"]))
-    models = [*map(ThrownModel, laws), *_rivals(rivals, test is not None or folds > 0)]
+    models = _models(laws, rivals, test is not None or folds > 0)
     settings: dict[str, Any] = {"model": model, "resamples": resamples, "seed": seed}
     if folds:
-        return _cross_validate(recorded, models, folds, settings, as_json)
+        from surefoot.app.cli.identify_folds import identify_folds
+
+        return identify_folds(recorded, models, folds, settings, out, jobs, as_json)
     fits = _fits(recorded, models, settings | {"test": others}, not as_json)
     facts = _facts(fits, laws, recorded, others)
     facts["picture"], note = draw_into(picture, out, "identify", partial(_draw, recorded, others, fits))
@@ -93,18 +90,12 @@ def identify(
     return 0
 
 
-def _cross_validate(
-    recorded: Tosses, models: list[Any], folds: int, settings: dict[str, Any], as_json: bool
-) -> int:
-    from surefoot.app.cli.identify_folds import identify_folds
-
-    return identify_folds(recorded, models, folds, settings, EXPECTED, as_json)
-
-
-def _read_both(tosses: Path, test: Path | None, folds: int) -> tuple[Tosses, Tosses | None]:
+def _read_both(tosses: Path, test: Path | None, folds: int, jobs: int | None) -> tuple[Tosses, Tosses | None]:
     """Return the tosses to fit and the others, of the same cube."""
     from surefoot.records.identification.tosses import read_tosses
 
+    if jobs is not None and not folds:
+        raise ProblemError("--jobs are processes that judge folds: it goes with --folds")
     if folds and test is not None:
         raise ProblemError("--folds judges every toss: --test is for a fit to all of them")
     recorded = read_tosses(tosses)
@@ -120,8 +111,9 @@ def _draw(recorded: Tosses, others: Tosses | None, fits: dict[str, TossFit], fol
     return draw_tosses(recorded, others, fits, folder / "tosses.png")
 
 
-def _rivals(names: str, testing: bool) -> list[Any]:
-    """Return the model of each rival."""
+def _models(laws: list[str], names: str, testing: bool) -> list[Any]:
+    """Return the model of each law and of each rival."""
+    from surefoot.records.identification.toss_model import ThrownModel
     from surefoot.worlds.experiments.tosses import RIVALS
 
     if names == NAMED:
@@ -130,7 +122,7 @@ def _rivals(names: str, testing: bool) -> list[Any]:
         wanted = [] if names == "none" else [name.strip() for name in names.split(",")]
     for name in wanted:
         check_name("rival", name, RIVALS)
-    return [RIVALS[name]() for name in dict.fromkeys(wanted)]
+    return [*map(ThrownModel, laws), *(RIVALS[name]() for name in dict.fromkeys(wanted))]
 
 
 def _fits(recorded: Tosses, simulators: list[Any], settings: dict[str, Any], bar: bool) -> dict[str, TossFit]:

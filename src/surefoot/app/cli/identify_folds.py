@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from surefoot.app.cli.console import progress_bar, say, show, table
+from surefoot.app.cli.console import plain_console, progress_bar, say, show, table
+from surefoot.app.cli.signals import INTERRUPTED, ends_softly
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -13,28 +15,33 @@ if TYPE_CHECKING:
 
 
 def identify_folds(
-    tosses: Tosses, models: list[Any], folds: int, settings: dict[str, Any], expected: float, as_json: bool
-) -> int:
+    tosses: Tosses, models: list[Any], folds: int, settings: dict[str, Any], out: Path, jobs: int | None,
+    as_json: bool,
+) -> int:  # fmt: skip
     """Cross-validate, and print errors with paired differences to the first law."""
-    from surefoot.records.identification.cross_validation import KINDS, cross_validate
+    from surefoot.app.cli.kept_folds import folds_folder, judge_folds
+    from surefoot.records.identification.cross_validation import KINDS, check_folds, gather_folds
 
-    whole, done = expected * len(tosses) * folds * len(models), 0.0
-    with progress_bar(not as_json, f"{folds} folds of {len(models)} laws", 1.0) as moved:
-
-        def progress(simulated: float) -> None:
-            nonlocal done
-            done = max(done, simulated)
-            if moved is not None:
-                moved(min(1.0, done / whole))
-
-        found = cross_validate(tosses, models, folds, progress=progress, **settings)
+    check_folds(tosses, folds)
+    folder = folds_folder(out, tosses, models, settings)
+    before = len(list(folder.glob(f"fold-*-of-{folds}.npz")))
+    label = f"{folds} folds of {len(models)} laws"
+    with ends_softly() as stop, progress_bar(not as_json, label, float(folds)) as moved:
+        try:
+            judged = judge_folds(tosses, models, folds, folder, jobs, moved, **settings)
+        except KeyboardInterrupt:
+            said = f"interrupted; what is done is in {folder}, the same command goes on from there"
+            say(plain_console(stderr=True), said)
+            return stop.code or INTERRUPTED
+    found = gather_folds(tosses, judged)
     first = next(iter(found.values()))
-    facts: dict[str, Any] = {"tosses": len(tosses), "folds": folds, "laws": {}}
+    facts: dict[str, Any] = {"tosses": len(tosses), "folds": folds, "folder": str(folder), "laws": {}}
     for name, law in found.items():
         means = {f"{kind}_error_mean": float(getattr(law.errors, kind).mean()) for kind in KINDS}
         gaps = {} if law is first else {kind: vars(first.less(law, kind)) for kind in KINDS}
         numbers = {key: [float(v.min()), float(v.max())] for key, v in law.values.items()}
         facts["laws"][name] = {**means, "first_less_this": gaps, "values_low_high": numbers}
+    facts["notes"] = [f"{before} of {folds} folds as {folder} has them from before"] if before else []
     show(facts, as_json, _print)
     return 0
 
@@ -54,6 +61,9 @@ def _print(console: Console, facts: dict[str, Any]) -> None:
     )
     low, high = facts["laws"][first]["values_low_high"]["mu"]
     say(console, f"{first}: mu from {low:.4f} to {high:.4f} over {facts['folds']} folds")
+    say(console, f"folds: {facts['folder']}")
+    for note in facts["notes"]:
+        say(console, note)
 
 
 def _gap(gap: dict[str, float] | None) -> str:

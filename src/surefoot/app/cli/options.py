@@ -31,6 +31,7 @@ LogRobot: TypeAlias = Annotated[
     str | None, typer.Option(help="Name or file of the robot, where the log does not name it.")
 ]
 PictureOut: TypeAlias = Annotated[Path, typer.Option(help="Parent of the new folder for pictures.")]
+Jobs: TypeAlias = Annotated[int | None, typer.Option(min=1, help="Processes; all cores by default.")]
 Picture: TypeAlias = Annotated[bool, typer.Option("--picture/--no-picture", help="Draw pictures.")]
 AsJson: TypeAlias = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
 Friction: TypeAlias = Annotated[float, typer.Option(help="Friction of the ground.")]

@@ -38,6 +38,21 @@ class FoldErrors(NamedTuple):
         return paired_difference(getattr(self.errors, kind), getattr(other.errors, kind))
 
 
+class JudgedFold(NamedTuple):
+    """What laws make of the tosses of one fold that their fits had not seen.
+
+    Attributes
+    ----------
+    errors
+        (k,) of each of its tosses, law by law.
+    values
+        Numbers that were fitted, law by law and by name.
+    """
+
+    errors: dict[str, TossErrors]
+    values: dict[str, dict[str, float]]
+
+
 def cross_validate(
     tosses: Tosses,
     models: Sequence[TossModel],
@@ -68,28 +83,49 @@ def cross_validate(
     ProblemError
         If there are fewer than two folds, or too few tosses to fit.
     """
+    check_folds(tosses, folds)
+    judged = [judge_fold(tosses, models, folds, fold, fit, **settings) for fold in range(folds)]
+    return gather_folds(tosses, judged)
+
+
+def check_folds(tosses: Tosses, folds: int) -> None:
+    """Raise a `ProblemError` for fewer than two folds, or such that leave too few tosses to fit."""
     whole_number("folds", folds, low=2)
     if len(tosses) - -(-len(tosses) // folds) < LEAST:
         raise ProblemError(f"{folds} folds of {len(tosses)} tosses leave fewer than {LEAST} to fit")
+
+
+def judge_fold(
+    tosses: Tosses,
+    models: Sequence[TossModel],
+    folds: int,
+    fold: int,
+    fit: Callable[..., TossFit] = identify,
+    **settings: Any,
+) -> JudgedFold:
+    """Fit laws to all tosses but those of a fold, and judge them on these; parameters of `cross_validate`."""
     number = np.arange(len(tosses)) % folds
-    errors = {m.name: {kind: np.empty(len(tosses)) for kind in KINDS} for m in models}
-    values: dict[str, dict[str, list[float]]] = {m.name: {} for m in models}
-    for fold in range(folds):
-        found: BodyFit | None = None
-        kept = np.flatnonzero(number == fold)
-        for model in models:
-            one = fit(
-                tosses.subset(np.flatnonzero(number != fold)), model, test=tosses.subset(kept), found=found,
-                **settings,
-            )  # fmt: skip
-            found = one.found
+    rest, own = (tosses.subset(np.flatnonzero(mask)) for mask in (number != fold, number == fold))
+    found: BodyFit | None = None
+    errors: dict[str, TossErrors] = {}
+    values: dict[str, dict[str, float]] = {}
+    for model in models:
+        one = fit(rest, model, test=own, found=found, **settings)
+        found = one.found
+        if one.test is not None:
+            errors[model.name] = one.test
+        values[model.name] = {name: estimate.value for name, estimate in one.parameters.items()}
+    return JudgedFold(errors, values)
+
+
+def gather_folds(tosses: Tosses, judged: Sequence[JudgedFold]) -> dict[str, FoldErrors]:
+    """Return the errors of each law on all tosses, from all folds in their order."""
+    out = {}
+    for law, names in judged[0].values.items():
+        errors = {kind: np.empty(len(tosses)) for kind in KINDS}
+        for fold, one in enumerate(judged):
             for kind in KINDS:
-                errors[model.name][kind][kept] = getattr(one.test, kind)
-            for name, estimate in one.parameters.items():
-                values[model.name].setdefault(name, []).append(estimate.value)
-    return {
-        m.name: FoldErrors(
-            TossErrors(**errors[m.name]), {name: np.array(v) for name, v in values[m.name].items()}
-        )
-        for m in models
-    }
+                errors[kind][fold :: len(judged)] = getattr(one.errors[law], kind)
+        values = {name: np.array([one.values[law][name] for one in judged]) for name in names}
+        out[law] = FoldErrors(TossErrors(**errors), values)
+    return out

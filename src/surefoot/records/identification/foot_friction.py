@@ -19,7 +19,7 @@ from surefoot.base.errors import ProblemError
 from surefoot.base.numerics.phases import runs_of
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot, real_actuators
-from surefoot.records.identification.walk_forces import FootForces, foot_forces_of
+from surefoot.records.identification.walk_forces import WalkForces, foot_forces_of
 from surefoot.records.identification.walk_motion import (
     CREEP,
     WINDOW,
@@ -119,7 +119,7 @@ def friction_of_walk(robot: Robot, log: Log, known: BoolArray | None = None) -> 
 
 
 def friction_of_feet(
-    robot: Robot, rows: WalkRows, pushed: FootForces, upright: BoolArray, dt: float
+    robot: Robot, rows: WalkRows, pushed: WalkForces, upright: BoolArray, dt: float
 ) -> tuple[FootFriction, ...]:
     """Return friction under each foot.
 
@@ -134,17 +134,23 @@ def friction_of_feet(
     dt
         Of a row [s].
     """
-    seen = _seen(robot, rows, pushed, upright, dt)
+    seen = _gather_evidence(robot, rows, pushed, upright, dt)
     return tuple(_bound(foot.name, one) for foot, one in zip(robot.feet, seen, strict=True))
 
 
 def friction_of_ground(
-    robot: Robot, rows: WalkRows, pushed: FootForces, upright: BoolArray, dt: float
+    robot: Robot, rows: WalkRows, pushed: WalkForces, upright: BoolArray, dt: float
 ) -> FootFriction:
-    """Return friction of the ground, the same under all feet, from the parameters of `friction_of_feet`."""
-    seen = _seen(robot, rows, pushed, upright, dt)
+    """Return friction of the ground, taken to be the same under all feet.
+
+    Parameters
+    ----------
+    robot, rows, pushed, upright, dt
+        See `friction_of_feet`: (T,) `upright`.
+    """
+    seen = _gather_evidence(robot, rows, pushed, upright, dt)
     slides = (np.concatenate(parts) for parts in zip(*(one[1:] for one in seen), strict=True))
-    return _bound("ground", _Seen(max(one.low for one in seen), *slides))
+    return _bound("ground", _Evidence(max(one.low for one in seen), *slides))
 
 
 def is_upright(q: FloatArray) -> BoolArray:
@@ -153,7 +159,7 @@ def is_upright(q: FloatArray) -> BoolArray:
     return np.asarray(np.logical_and.accumulate(up > math.cos(LEANS)))
 
 
-class _Seen(NamedTuple):
+class _Evidence(NamedTuple):
     """What a foot shows: friction that it surely used, and (s,) what its slides used, with deviations.
 
     `shared` are those that all slides have alike.
@@ -165,7 +171,9 @@ class _Seen(NamedTuple):
     shared: FloatArray
 
 
-def _seen(robot: Robot, rows: WalkRows, pushed: FootForces, upright: BoolArray, dt: float) -> list[_Seen]:
+def _gather_evidence(
+    robot: Robot, rows: WalkRows, pushed: WalkForces, upright: BoolArray, dt: float
+) -> list[_Evidence]:
     """Return what each foot shows of friction."""
     owner = np.asarray(robot.contact_points.foot)
     motion = np.einsum("tpji,tpj->tpi", rows.frames, np.einsum("tpiv,tv->tpi", rows.levers, rows.v))
@@ -177,15 +185,15 @@ def _seen(robot: Robot, rows: WalkRows, pushed: FootForces, upright: BoolArray, 
         bears = upright & ~rows.swung[:, mine].any(axis=1) & (force[:, 2] > least)
         loaded = minimum_filter1d(bears.astype(np.int8), window) > 0
         errors = pushed.covariance[:, k], pushed.by_scales[:, k]
-        out.append(_of_foot(force, errors, velocity[:, :2], loaded, window))
+        out.append(_weigh_foot(force, errors, velocity[:, :2], loaded, window))
     return out
 
 
-def _of_foot(
+def _weigh_foot(
     force: FloatArray, errors: tuple[FloatArray, FloatArray], velocity: FloatArray, loaded: BoolArray,
     window: int,
-) -> _Seen:  # fmt: skip
-    """Return what a foot shows, of forces (T, 3), their covariances, velocities (T, 2) and where it bears."""
+) -> _Evidence:  # fmt: skip
+    """Return what a foot shows by forces (T, 3), their covariances, velocities (T, 2) and where it bears."""
     normal, size = np.maximum(force[:, 2], 1e-9), np.hypot(force[:, 0], force[:, 1])
     used = size / normal
     along = np.stack([*(force[:, :2].T / np.maximum(size, 1e-9)), -used], axis=1)
@@ -200,10 +208,10 @@ def _of_foot(
     uses = np.array([np.average(used[s], weights=(error[s] + 1e-6) ** -2) for s in slides])
     each = np.array([error[s].min() for s in slides])
     shared = np.array([np.median(alike[s]) for s in slides])
-    return _Seen(float(np.where(loaded, surely, 0.0).max(initial=0.0)), uses, each, shared)
+    return _Evidence(float(np.where(loaded, surely, 0.0).max(initial=0.0)), uses, each, shared)
 
 
-def _bound(name: str, seen: _Seen) -> FootFriction:
+def _bound(name: str, seen: _Evidence) -> FootFriction:
     """Return the interval of what was seen."""
     low, uses, errors, shared = seen
     if len(uses) < SLIPS:

@@ -29,7 +29,7 @@ LASTING = 0.02
 """Time around a row whose largest misfit counts for it [s]."""
 
 
-class FootForces(NamedTuple):
+class WalkForces(NamedTuple):
     """Forces on the n feet in T rows, axes of the ground under each.
 
     Attributes
@@ -49,7 +49,7 @@ class FootForces(NamedTuple):
 
 def foot_forces_of(
     robot: Robot, rows: WalkRows, motors: Actuators, theta: FloatArray, dt: float
-) -> FootForces:
+) -> WalkForces:
     """Return the forces on the feet by weighted least squares, row by row.
 
     Parameters
@@ -64,20 +64,20 @@ def foot_forces_of(
     X, y = motion_terms(rows, motors, CREEP, 0.0)
     levers, needed = foot_levers(rows), X @ theta - y
     window = max(1, round(SUSTAINED / dt))
-    deviations = _deviations(robot, rows, levers, needed, dt)
+    deviations = _find_deviations(robot, rows, levers, needed, dt)
     back = np.linalg.pinv(levers / deviations[:, :, None], rcond=1e-6) / deviations[:, None]
     pushed = back @ needed[:, :, None]
     joints = robot.base_dof
     over = (smooth(needed - (levers @ pushed)[:, :, 0], window) / deviations)[:, joints:]
-    misfit = np.maximum(_lasting(np.sqrt(np.mean(over**2, axis=1)), dt), 1.0)
-    per_foot = _of_feet(robot, rows, back)
+    misfit = np.maximum(_largest_around(np.sqrt(np.mean(over**2, axis=1)), dt), 1.0)
+    per_foot = _sum_points(robot, rows, back)
     forces = smooth(np.einsum("tniv,tv->tni", per_foot, needed), window)
     left = per_foot * (deviations * misfit[:, None])[:, None, None]
     scaled = per_foot[..., joints:] * (SCALE * smooth(rows.tau, window))[:, None, None]
-    return FootForces(forces, *(np.einsum("tniv,tnjv->tnij", part, part) for part in (left, scaled)))
+    return WalkForces(forces, *(np.einsum("tniv,tnjv->tnij", part, part) for part in (left, scaled)))
 
 
-def _deviations(
+def _find_deviations(
     robot: Robot, rows: WalkRows, levers: FloatArray, needed: FloatArray, dt: float
 ) -> FloatArray:
     """Return how far off the equations of motion are, row by row: (T, nv) [N, N m].
@@ -97,11 +97,11 @@ def _deviations(
     rest = smooth(needed[:, :joints] - (sums @ needed[:, joints:, None])[:, :, 0], window)
     base = np.maximum(_usual_size(rest), FLOOR * robot.mass * GRAVITY)
     expected = np.sqrt(base**2 + torque**2 * np.sum(sums**2, axis=2))
-    base = base * np.maximum(_lasting(np.abs(rest) / expected, dt), 1.0)
+    base = base * np.maximum(_largest_around(np.abs(rest) / expected, dt), 1.0)
     return np.concatenate([base, np.full((len(base), robot.joints), torque)], axis=1)
 
 
-def _lasting(values: FloatArray, dt: float) -> FloatArray:
+def _largest_around(values: FloatArray, dt: float) -> FloatArray:
     """Return the largest of (T, ...) values within `LASTING`."""
     return np.asarray(maximum_filter1d(values, max(2, round(LASTING / dt)), axis=0))
 
@@ -111,7 +111,7 @@ def _usual_size(values: FloatArray) -> FloatArray:
     return np.asarray(1.4826 * np.median(np.abs(values), axis=0))
 
 
-def _of_feet(robot: Robot, rows: WalkRows, back: FloatArray) -> FloatArray:
+def _sum_points(robot: Robot, rows: WalkRows, back: FloatArray) -> FloatArray:
     """Return what makes the (T, n, 3) forces on feet of the equations of motion: (T, n, 3, nv)."""
     T, p = rows.frames.shape[:2]
     points = np.einsum("tpji,tpjv->tpiv", rows.frames, back.reshape(T, p, 3, -1))

@@ -53,6 +53,9 @@ class MujocoBody:
     def __init__(self) -> None:
         self._mujoco: Any = import_mujoco()
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return MujocoBody, ()
+
     def rollout(self, values: FloatArray, scene: TossScene) -> FloatArray:
         """Return (sum of frames, nq) positions [m], quaternions and joints."""
         steps = max(1, math.ceil(scene.dt / LONGEST_STEP - 1e-9))
@@ -148,6 +151,9 @@ class DrakeBody:
 
     def __init__(self, approximation: str = "similar") -> None:
         self._worker, self._approximation = Worker(WORKER), approximation
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return DrakeBody, (self._approximation,)
 
     def rollout(self, values: FloatArray, scene: TossScene) -> FloatArray:
         """Return (sum of frames, nq) positions [m], quaternions and joints."""
