@@ -12,7 +12,7 @@ from surefoot.base.errors import ProblemError
 
 
 def _row(use: float, speed: float = 0.0, normal: float = 100.0) -> tuple[FloatArray, FloatArray]:
-    return np.array([[use * normal, 0.0, normal]]), np.array([[speed, 0.0, 0.0]])
+    return np.array([[use * normal, 0.0, normal]]), np.array([[-speed, 0.0, 0.0]])
 
 
 def _feed(tracker: sf.FrictionTracker, count: int, *row: float):  # type: ignore[no-untyped-def]
@@ -51,6 +51,17 @@ def test_chatter_on_ice_is_one_slide() -> None:
         _feed(tracker, 4, 0.1, 0.5)
         known = _feed(tracker, 6, 0.0, 0.5, 0.0)
     assert known.high[0] == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("way", [[0.3, 0.0, 0.0], [0.0, 0.3, 0.0], [-0.2, 0.2, 0.0]])
+def test_feet_that_only_an_estimate_moves_do_not_slide(way: list[float]) -> None:
+    """Friction of a sliding foot is against its way; that of a standing one is anywhere."""
+    tracker = sf.FrictionTracker(1, 0.001, least=5.0)
+    for _ in range(60):
+        known = tracker.update([[10.0, 0.0, 100.0]], [way])
+    assert not known.sliding[0]
+    assert known.high[0] == np.inf
+    assert known.low[0] == pytest.approx(0.1)
 
 
 def test_grounds_change() -> None:

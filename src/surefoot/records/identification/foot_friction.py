@@ -19,6 +19,7 @@ from surefoot.base.errors import ProblemError
 from surefoot.base.numerics.phases import runs_of
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot, real_actuators
+from surefoot.records.identification.friction_tracker import OPPOSED
 from surefoot.records.identification.walk_forces import WalkForces, foot_forces_of
 from surefoot.records.identification.walk_motion import (
     CREEP,
@@ -36,8 +37,6 @@ LASTED = 0.02
 """A use of friction counts that lasts so long [s]."""
 CREEPING = 0.04
 """Mean speed over `LASTED` from which a loaded foot may slide [m/s]."""
-OPPOSED = 0.9
-"""Least cosine between a slide and what friction opposes: a sliding foot's friction is against its way."""
 SHARE = 0.02
 """Deviation of used friction by masses, places and clocks, as a share of it [-]."""
 SURE = 2.6

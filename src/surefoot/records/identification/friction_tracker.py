@@ -1,9 +1,9 @@
 """Friction while the robot goes: an interval for every foot that a controller can use at once.
 
 A foot uses no more friction than there is, ||f_t|| <= mu f_n, which bounds mu below; a foot that goes on
-sliding uses all of it. What a foot used counts as a bound only if it lasted (`SUSTAINED`): a single reading
-proves nothing. What is known fades: after `memory` seconds an old bound is gone, and a newer one that
-contradicts it ends it at once, for grounds change.
+sliding uses all of it, against its way. What a foot used counts as a bound only if it lasted (`SUSTAINED`): a
+single reading proves nothing. What is known fades: after `memory` seconds an old bound is gone, and a newer
+one that contradicts it ends it at once, for grounds change.
 """
 
 from __future__ import annotations
@@ -23,6 +23,9 @@ SUSTAINED = 0.01
 """A use of friction counts as a lower bound when no reading of so long was less [s]."""
 SETTLING, SLIDE = 0.01, 0.01
 """A slide tells mu from its age `SETTLING` on: the mean over `SLIDE` to twice that, loaded time only [s]."""
+OPPOSED = 0.9
+"""Least cosine between a slide and what friction opposes: a sliding foot's friction is against its way, that
+of a standing one, which only a drifting estimate moves, is anywhere."""
 SLIDING_SPEED = 0.03
 """Speed from which a loaded foot slides [m/s]; a soft ground lets a sticking one creep slower than that."""
 AGREE = 1.1
@@ -216,7 +219,9 @@ def follow_friction(
             continue
         state[k, IDLE] = 0.0
         use = np.hypot(forces[k, 0], forces[k, 1]) / normal
-        sliding[k] = np.hypot(velocities[k, 0], velocities[k, 1]) > sliding_speed
+        speed = np.hypot(velocities[k, 0], velocities[k, 1])
+        against = -(forces[k, 0] * velocities[k, 0] + forces[k, 1] * velocities[k, 1])
+        sliding[k] = speed > sliding_speed and against >= OPPOSED * use * normal * speed
         at = int(state[k, AT])
         ring[k, at] = use
         state[k, AT] = (at + 1) % rows
