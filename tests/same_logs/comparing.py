@@ -17,9 +17,7 @@ DEFINITIONS = "channels"
 """Array of a log that defines its channels, as JSON; `meaning` is prose and may be worded anew."""
 RENAMED: Mapping[str, str] = {}
 """Words in texts of older logs, as behaviours' names, to those of newer ones."""
-ADDED: frozenset[str] = frozenset(
-    {"fact_granted_share", "fact_unsolved_steps", "other_forces", "definition of other_forces"}
-)
+ADDED: frozenset[str] = frozenset()
 """Channels and facts (`fact_NAME`, `definition of NAME`) that only newer logs have, on purpose."""
 
 
