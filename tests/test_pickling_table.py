@@ -10,6 +10,7 @@ import inspect
 import multiprocessing
 import pickle
 from collections.abc import Mapping
+from contextlib import suppress
 from enum import Enum
 from functools import cached_property
 from types import ModuleType
@@ -85,6 +86,28 @@ def test_a_copy_holds_the_same(name: str, how: str) -> None:
     kind = getattr(sf, name, None)
     assert not inspect.isclass(kind) or kind is sf.Controller or isinstance(value, kind)
     assert same(value, COPIES[how](value))
+
+
+@pytest.mark.parametrize("name", [name for name in VALUES if not name.endswith("Error")])
+def test_a_copy_of_what_was_looked_at_holds_the_same(name: str) -> None:
+    """What an answer works out when it is read is worked out anew in a copy, or goes with it."""
+    value = VALUES[name]()
+    for part in dir(type(value)):
+        if not part.startswith("_") and isinstance(
+            inspect.getattr_static(value, part), property | cached_property
+        ):
+            with suppress(sf.SurefootError):
+                getattr(value, part)
+    assert same(value, pickle.loads(pickle.dumps(value)))
+
+
+def test_a_sole_that_has_answered_is_copied() -> None:
+    sole = sf.Sole(0.6, 0.2, 0.1)
+    wrench = [1.0, 0.5, 20.0, 0.1, -0.2, 0.05]
+    answers = sole.margin(wrench), sole.contains(wrench), sole.friction_needed(wrench)
+    for how in COPIES.values():
+        twin = how(sole)
+        assert (twin.margin(wrench), twin.contains(wrench), twin.friction_needed(wrench)) == answers
 
 
 def given_back(value: Any) -> Any:

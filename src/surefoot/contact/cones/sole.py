@@ -10,7 +10,7 @@ inside it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -122,13 +122,6 @@ class Sole(Drawn):
         few = [*shape.centre, shape.length, self.torsional_radius / shape.length, self.mu]
         return np.array(few), shape.table, shape.start, shape.edges
 
-    @cached_property
-    def _kernels(self) -> Any:
-        """The compiled questions, loaded with the first of them."""
-        from surefoot.contact.cones import sole_kernels
-
-        return sole_kernels
-
     @property
     def centre(self) -> FloatArray:
         """(2,) mean of the corners in the contact frame [m]."""
@@ -159,10 +152,10 @@ class Sole(Drawn):
         """
         w = self._wrenches(wrench)
         flags = np.empty(len(w), dtype=np.int8)
-        if self._kernels.hold(*self._data, w, tol, flags):
+        if _kernels().hold(*self._data, w, tol, flags):
             from surefoot.contact.cones.sole_proof import hold_in_digits
 
-            unsure = flags == self._kernels.UNSURE
+            unsure = flags == _kernels().UNSURE
             flags[unsure] = hold_in_digits(self, self._data, w, tol, unsure)
         out: BoolArray = flags.view(np.bool_)
         return out.reshape(np.shape(wrench)[:-1]) if np.ndim(wrench) != 1 else out[0]
@@ -198,7 +191,7 @@ class Sole(Drawn):
 
         def find(w: FloatArray) -> FloatArray:
             out = np.empty(len(w))
-            self._kernels.frictions(*self._data, w, out)
+            _kernels().frictions(*self._data, w, out)
             if (out < 0.0).any():
                 from surefoot.contact.cones.sole_proof import frictions_in_digits
 
@@ -218,7 +211,7 @@ class Sole(Drawn):
         if self.mu == 0.0:
             out[:] = self._project_frictionless(w)
         else:
-            self._kernels.project(*self._data[:2], w, out)
+            _kernels().project(*self._data[:2], w, out)
         return out.reshape(np.shape(wrench))
 
     def support(self, direction: ArrayLike, tol: float = 1e-9) -> FloatArray:
@@ -291,7 +284,7 @@ class Sole(Drawn):
 
     def _needs(self, w: FloatArray) -> tuple[FloatArray, FloatArray]:
         needs, shares = np.empty(len(w)), np.empty((len(w), 3))
-        self._kernels.measure(*self._data, w, needs, shares)
+        _kernels().measure(*self._data, w, needs, shares)
         if np.isnan(needs).any():
             from surefoot.contact.cones.sole_proof import measure_in_digits
 
@@ -324,3 +317,11 @@ class Sole(Drawn):
         out[:, 2], out[:, 3] = near[:, 0], near[:, 1] * length + y * near[:, 0]
         out[:, 4] = near[:, 2] * length - x * near[:, 0]
         return out
+
+
+@cache
+def _kernels() -> Any:
+    """Return the compiled questions, which are loaded with the first of them."""
+    from surefoot.contact.cones import sole_kernels
+
+    return sole_kernels

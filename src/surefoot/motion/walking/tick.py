@@ -119,7 +119,8 @@ class Tick(Controller):
     @property
     def body(self) -> BodyPlan:
         """The motion of the body that is wanted, after the first step."""
-        assert self._walk is not None, "the walk has not begun"
+        if self._walk is None:
+            raise ProblemError("the walk has not begun: its body is there after the first step")
         return self._walk.body
 
     @abstractmethod

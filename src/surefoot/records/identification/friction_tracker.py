@@ -170,6 +170,14 @@ class FrictionTracker(Remembering):
 
 
 @kernel
+def _is_opposed(force: FloatArray, velocity: FloatArray, sliding_speed: float) -> bool:
+    """Return whether a foot is that fast and its friction against that, both (3,) in its contact frame."""
+    speed = np.hypot(velocity[0], velocity[1])
+    against = -(force[0] * velocity[0] + force[1] * velocity[1])
+    return bool(speed > sliding_speed and against >= OPPOSED * np.hypot(force[0], force[1]) * speed)
+
+
+@kernel
 def follow_friction(
     ring: FloatArray,
     state: FloatArray,
@@ -219,9 +227,7 @@ def follow_friction(
             continue
         state[k, IDLE] = 0.0
         use = np.hypot(forces[k, 0], forces[k, 1]) / normal
-        speed = np.hypot(velocities[k, 0], velocities[k, 1])
-        against = -(forces[k, 0] * velocities[k, 0] + forces[k, 1] * velocities[k, 1])
-        sliding[k] = speed > sliding_speed and against >= OPPOSED * use * normal * speed
+        sliding[k] = _is_opposed(forces[k], velocities[k], sliding_speed)
         at = int(state[k, AT])
         ring[k, at] = use
         state[k, AT] = (at + 1) % rows
