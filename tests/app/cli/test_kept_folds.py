@@ -1,8 +1,10 @@
-"""Folds of a cross-validation: each is kept when it is judged, and what is there is not judged anew."""
+"""Folds of a cross-validation: a law is kept when it is judged, and what is there is not judged anew."""
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,8 +13,9 @@ import pytest
 from benchmarks.problems.tosses import random_tosses
 from surefoot.app.cli import kept_folds
 from surefoot.app.cli.kept_folds import folds_folder, judge_folds
-from surefoot.records.identification.cross_validation import JudgedFold, cross_validate, gather_folds
+from surefoot.records.identification.cross_validation import cross_validate, gather_folds, judge_fold
 from surefoot.records.identification.toss_errors import TossErrors
+from surefoot.records.identification.toss_fit import BodyNumbers, Estimate
 from surefoot.records.identification.toss_model import ThrownModel
 from surefoot.records.identification.tosses import Tosses
 
@@ -25,63 +28,87 @@ def tosses() -> Tosses:
 
 
 @pytest.fixture
-def judged(monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    """Folds that were judged, in order; a fold 3 fails while 99 is among them."""
-    seen: list[int] = []
+def fitted(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Laws that were fitted, in order; the seventh fails while "fails" is among them."""
+    seen: list[str] = []
 
-    def fake(tosses: Tosses, models: Any, folds: int, fold: int, **settings: Any) -> JudgedFold:
-        if fold == 3 and 99 in seen:
+    def fit(train: Tosses, model: ThrownModel, test: Tosses, found: Any, **settings: Any) -> Any:
+        if len(seen) == 7 and "fails" in seen:
             raise KeyboardInterrupt
-        seen.append(fold)
-        count = len(np.arange(len(tosses))[fold::folds])
-        errors = TossErrors(np.full(count, fold + 0.1), np.full(count, 0.2), np.arange(float(count)))
-        values = {model.name: {"mu": fold / 7} for model in models}
-        return JudgedFold(dict.fromkeys(values, errors), values)
+        seen.append(model.name)
+        errors = TossErrors(*(k + test.states[test.starts[:-1], 0] for k in range(3)))
+        estimate = Estimate(float(len(test)), -1.0, 7.5, "m")
+        numbers = BodyNumbers({"mu": 0.1}, {"mu": np.arange(3.0)}, {"mu": estimate}, None)
+        body = found or SimpleNamespace(numbers=numbers)
+        return SimpleNamespace(found=body, test=errors, parameters={"mu": estimate})
 
-    monkeypatch.setattr(kept_folds, "judge_fold", fake)
+    monkeypatch.setattr(kept_folds, "judge_fold", partial(judge_fold, fit=fit))
     return seen
 
 
 def test_what_is_there_is_read_and_the_rest_is_judged(
-    tosses: Tosses, judged: list[int], tmp_path: Path
+    tosses: Tosses, fitted: list[str], tmp_path: Path
 ) -> None:
     shown: list[float] = []
-    first = judge_folds(tosses, LAWS, 4, tmp_path / "new" / "folds", 1, shown.append)
-    assert judged == [0, 1, 2, 3]
-    assert shown == [1.0, 2.0, 3.0, 4.0]
-    (tmp_path / "new" / "folds" / "fold-3-of-4.npz").unlink()
-    again = judge_folds(tosses, LAWS, 4, tmp_path / "new" / "folds", 1, None)
-    assert judged == [0, 1, 2, 3, 2]
+    folder = tmp_path / "new" / "folds"
+    first = judge_folds(tosses, LAWS, 4, folder, 1, shown.append)
+    assert fitted == ["rigid", "newton"] * 4
+    assert shown == [2.0, 4.0, 6.0, 8.0]
+    for law in ("rigid", "newton"):
+        (folder / f"fold-3-of-4-{law}.npz").unlink()
+    again = judge_folds(tosses, LAWS, 4, folder, 1, None)
+    assert fitted[8:] == ["rigid", "newton"]
     a, b = (gather_folds(tosses, folds) for folds in (first, again))
     np.testing.assert_array_equal(a["newton"].errors.position, b["newton"].errors.position)
-    np.testing.assert_array_equal(a["rigid"].errors.position, np.arange(13) % 4 + 0.1)
-    np.testing.assert_array_equal(b["rigid"].values["mu"], np.arange(4) / 7)
+    np.testing.assert_array_equal(a["rigid"].errors.position, tosses.states[tosses.starts[:-1], 0])
+    np.testing.assert_array_equal(b["rigid"].values["mu"], [4.0, 3.0, 3.0, 3.0])
+    for kept, law in zip(again, first, strict=True):
+        assert kept["rigid"].numbers.parameters == law["rigid"].numbers.parameters
+        assert kept["rigid"].numbers.values == law["rigid"].numbers.values
+        assert kept["rigid"].numbers.scale is None
+        np.testing.assert_array_equal(kept["rigid"].numbers.draws["mu"], np.arange(3.0))
 
 
-def test_an_interrupt_leaves_what_is_done(tosses: Tosses, judged: list[int], tmp_path: Path) -> None:
-    judged.append(99)
+def test_an_interrupt_leaves_the_laws_that_are_done(
+    tosses: Tosses, fitted: list[str], tmp_path: Path
+) -> None:
+    fitted.append("fails")
     with pytest.raises(KeyboardInterrupt):
         judge_folds(tosses, LAWS, 4, tmp_path, 1, None)
-    assert sorted(path.name for path in tmp_path.iterdir()) == [f"fold-{k}-of-4.npz" for k in (1, 2, 3)]
-    judged.clear()
+    done = [f"fold-{k}-of-4-{law}.npz" for k in (1, 2, 3) for law in ("newton", "rigid")]
+    assert sorted(path.name for path in tmp_path.iterdir()) == done
+    fitted.clear()
     judge_folds(tosses, LAWS, 4, tmp_path, 1, None)
-    assert judged == [3]
+    assert fitted == ["rigid", "newton"]
 
 
-def test_other_tosses_laws_and_settings_have_folders_of_their_own(tosses: Tosses, tmp_path: Path) -> None:
+def test_other_tosses_first_laws_and_settings_have_folders_of_their_own(
+    tosses: Tosses, tmp_path: Path
+) -> None:
     model = tmp_path / "body.urdf"
     model.write_text("<robot/>")
     settings: dict[str, Any] = {"model": model, "resamples": 20, "seed": 0}
     places = [
-        folds_folder(tmp_path, tosses, LAWS, settings),
-        folds_folder(tmp_path, tosses.subset(np.arange(12)), LAWS, settings),
-        folds_folder(tmp_path, tosses, LAWS[:1], settings),
-        folds_folder(tmp_path, tosses, LAWS, settings | {"seed": 1}),
+        folds_folder(tmp_path, tosses, LAWS[0], settings),
+        folds_folder(tmp_path, tosses.subset(np.arange(12)), LAWS[0], settings),
+        folds_folder(tmp_path, tosses, LAWS[1], settings),
+        folds_folder(tmp_path, tosses, LAWS[0], settings | {"seed": 1}),
     ]
-    assert folds_folder(tmp_path, tosses, LAWS, settings) == places[0]
+    assert folds_folder(tmp_path, tosses, LAWS[0], settings) == places[0]
     model.write_text("<robot name='other'/>")
-    places.append(folds_folder(tmp_path, tosses, LAWS, settings))
+    places.append(folds_folder(tmp_path, tosses, LAWS[0], settings))
     assert len(set(places)) == 5
+
+
+@pytest.mark.long
+def test_a_law_that_is_added_begins_with_the_body_that_is_kept(tosses: Tosses, tmp_path: Path) -> None:
+    judge_folds(tosses, LAWS[:1], 3, tmp_path, 1, None, resamples=20)
+    added = gather_folds(tosses, judge_folds(tosses, LAWS, 3, tmp_path, 1, None, resamples=20))
+    whole = cross_validate(tosses, LAWS, 3, resamples=20)
+    for law in ("rigid", "newton"):
+        np.testing.assert_array_equal(added[law].errors.position, whole[law].errors.position)
+        for name, values in whole[law].values.items():
+            np.testing.assert_array_equal(added[law].values[name], values)
 
 
 @pytest.mark.long

@@ -16,6 +16,7 @@ from surefoot.records.identification.toss_model import ThrownModel
 from surefoot.records.identification.tosses import Tosses
 
 LAWS = [ThrownModel("rigid", steps=1), ThrownModel("newton", steps=1)]
+THREE = [*LAWS, ThrownModel("tangential", steps=1)]
 
 
 @pytest.fixture(scope="module")
@@ -36,19 +37,19 @@ def test_every_toss_is_judged_once_by_a_fit_that_has_not_seen_it(tosses: Tosses)
         error = np.array([state[0] for state in own]) + (1.0 if model.name == "newton" else 0.0)
         value = SimpleNamespace(value=float(len(seen)))
         return SimpleNamespace(
-            found=f"body {len(seen)}",
+            found=SimpleNamespace(numbers=f"body {len(seen)}"),
             test=TossErrors(error, 2.0 * error, 3.0 * error),
             parameters={"mu": value},
         )
 
-    found = cross_validate(tosses, LAWS, 4, fit, seed=3)
-    assert [name for name, _, _ in seen] == ["rigid", "newton"] * 4
-    assert sorted(count for _, count, _ in seen[::2]) == [3, 3, 3, 4]
-    assert [body for _, _, body in seen[:3]] == [None, "body 1", None]
+    found = cross_validate(tosses, THREE, 4, fit, seed=3)
+    assert [name for name, _, _ in seen] == ["rigid", "newton", "tangential"] * 4
+    assert sorted(count for _, count, _ in seen[::3]) == [3, 3, 3, 4]
+    assert [body and body.numbers for _, _, body in seen[:4]] == [None, "body 1", "body 1", None]
     np.testing.assert_allclose(found["rigid"].errors.position, tosses.states[tosses.starts[:-1], 0])
     gap = found["rigid"].less(found["newton"], "early")
     np.testing.assert_allclose([gap.value, gap.low, gap.high], -3.0)
-    np.testing.assert_array_equal(found["newton"].values["mu"], [2.0, 4.0, 6.0, 8.0])
+    np.testing.assert_array_equal(found["newton"].values["mu"], [2.0, 5.0, 8.0, 11.0])
 
 
 def test_folds_that_leave_too_little_are_refused(tosses: Tosses) -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
+from surefoot.app.cli.processes import results_of
 from surefoot.base.errors import ProblemError, SurefootError, one_line, writing
 
 if TYPE_CHECKING:
@@ -59,25 +60,12 @@ def certify_files(
         if place is not None:
             with writing(place):
                 place.mkdir(parents=True, exist_ok=True)
-    from surefoot.base.cores import cores
-
-    workers = min(len(files), jobs if jobs is not None else cores())
     out: dict[int, list[Outcome]] = {}
-    if workers <= 1:
-        for k, path in enumerate(files):
-            out[k] = certify_file(path, question, folder)
-            if show is not None:
-                show(float(len(out)))
-        return [one for k in range(len(files)) for one in out[k]]
-    from concurrent.futures import ProcessPoolExecutor, as_completed
-    from multiprocessing import get_context
-
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        waiting = {pool.submit(certify_file, path, question, folder): k for k, path in enumerate(files)}
-        for future in as_completed(waiting):
-            out[waiting[future]] = future.result()
-            if show is not None:
-                show(float(len(out)))
+    tasks = [(path, question, folder) for path in files]
+    for k, found in results_of(certify_file, tasks, jobs):
+        out[k] = found
+        if show is not None:
+            show(float(len(out)))
     return [one for k in range(len(files)) for one in out[k]]
 
 

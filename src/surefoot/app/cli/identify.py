@@ -135,7 +135,7 @@ def _fits(recorded: Tosses, simulators: list[Any], settings: dict[str, Any], bar
         with progress_bar(bar, f"{simulator.name}: simulating tosses", 1.0) as moved:
             progress = _progress(EXPECTED * len(recorded), moved)
             fits[simulator.name] = fit(recorded, simulator, found=found, progress=progress, **settings)
-        found = fits[simulator.name].found
+        found = found or fits[simulator.name].found
     return fits
 
 

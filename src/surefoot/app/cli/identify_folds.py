@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from surefoot.app.cli.console import plain_console, progress_bar, say, show, table
-from surefoot.app.cli.signals import INTERRUPTED, ends_softly
+from surefoot.app.cli.console import progress_bar, say, show, table
+from surefoot.app.cli.signals import ends_softly, say_interrupted
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -19,20 +19,18 @@ def identify_folds(
     as_json: bool,
 ) -> int:  # fmt: skip
     """Cross-validate, and print errors with paired differences to the first law."""
-    from surefoot.app.cli.kept_folds import folds_folder, judge_folds
+    from surefoot.app.cli.kept_folds import count_kept, folds_folder, judge_folds
     from surefoot.records.identification.cross_validation import KINDS, check_folds, gather_folds
 
     check_folds(tosses, folds)
-    folder = folds_folder(out, tosses, models, settings)
-    before = len(list(folder.glob(f"fold-*-of-{folds}.npz")))
+    folder = folds_folder(out, tosses, models[0], settings)
+    before, all_laws = count_kept(models, folds, folder), folds * len(models)
     label = f"{folds} folds of {len(models)} laws"
-    with ends_softly() as stop, progress_bar(not as_json, label, float(folds)) as moved:
+    with ends_softly() as stop, progress_bar(not as_json, label, float(all_laws)) as moved:
         try:
             judged = judge_folds(tosses, models, folds, folder, jobs, moved, **settings)
         except KeyboardInterrupt:
-            said = f"interrupted; what is done is in {folder}, the same command goes on from there"
-            say(plain_console(stderr=True), said)
-            return stop.code or INTERRUPTED
+            return say_interrupted(stop, folder)
     found = gather_folds(tosses, judged)
     first = next(iter(found.values()))
     facts: dict[str, Any] = {"tosses": len(tosses), "folds": folds, "folder": str(folder), "laws": {}}
@@ -41,7 +39,9 @@ def identify_folds(
         gaps = {} if law is first else {kind: vars(first.less(law, kind)) for kind in KINDS}
         numbers = {key: [float(v.min()), float(v.max())] for key, v in law.values.items()}
         facts["laws"][name] = {**means, "first_less_this": gaps, "values_low_high": numbers}
-    facts["notes"] = [f"{before} of {folds} folds as {folder} has them from before"] if before else []
+    facts["notes"] = (
+        [f"{before} of {all_laws} laws of folds as {folder} has them from before"] if before else []
+    )
     show(facts, as_json, _print)
     return 0
 

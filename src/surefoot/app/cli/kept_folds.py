@@ -1,36 +1,69 @@
-"""Folds of a cross-validation on several processes, each kept in a folder as soon as it is judged."""
+"""Folds of a cross-validation on several processes: each law of each is kept as soon as it is judged."""
 
 from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Callable, Sequence
+from dataclasses import astuple, dataclass
 from importlib.metadata import version
 from importlib.util import find_spec
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from surefoot.base.cores import cores
+from surefoot.app.cli.processes import results_of
 from surefoot.base.errors import writing
-from surefoot.records.identification.cross_validation import KINDS, JudgedFold, judge_fold
+from surefoot.records.identification.cross_validation import KINDS, JudgedLaw, judge_fold
 from surefoot.records.identification.toss_errors import TossErrors
+from surefoot.records.identification.toss_fit import BodyNumbers, Estimate
+from surefoot.records.identification.toss_model import TossModel
 from surefoot.records.identification.tosses import Tosses
+
+
+@dataclass(frozen=True)
+class FoldFiles:
+    """The laws of a fold as files of a folder.
+
+    Attributes
+    ----------
+    folder
+        Where they are.
+    fold, folds
+        Number of the fold, from 0, and how many there are.
+    """
+
+    folder: Path
+    fold: int
+    folds: int
+
+    def read(self, model: TossModel) -> JudgedLaw | None:
+        """Return what is kept of a law; None without it."""
+        place = self.place(model)
+        return _read(place) if place.is_file() else None
+
+    def write(self, model: TossModel, judged: JudgedLaw) -> None:
+        """Keep a law, as a whole file or none."""
+        with writing(self.folder):
+            _write(self.place(model), judged)
+
+    def place(self, model: TossModel) -> Path:
+        """Return the file of a law; that of another package's simulator has its version in its name."""
+        release = f"-{version(model.name)}" if find_spec(model.name) else ""
+        return self.folder / f"fold-{self.fold + 1}-of-{self.folds}-{model.name}{release}.npz"
 
 
 def judge_folds(
     tosses: Tosses,
-    models: Sequence[Any],
+    models: Sequence[TossModel],
     folds: int,
     folder: Path,
     jobs: int | None,
     show: Callable[[float], None] | None,
     **settings: Any,
-) -> list[JudgedFold]:
-    """Return all folds in their order, those that the folder holds as they are there.
+) -> list[dict[str, JudgedLaw]]:
+    """Return all folds in their order; what the folder holds is read and not judged anew.
 
     Parameters
     ----------
@@ -41,25 +74,30 @@ def judge_folds(
     jobs
         Processes; None for all cores.
     show
-        Called with how many folds are judged.
+        Called now and then with how many laws are judged, over all folds.
     """
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    places = {fold: folder / f"fold-{fold + 1}-of-{folds}.npz" for fold in range(folds)}
-    done = {fold: _read(place) for fold, place in places.items() if place.is_file()}
-    left = [fold for fold in places if fold not in done]
-    judged = _judge(tosses, models, folds, left, min(len(left), jobs or cores()), settings)
-    for fold, one in judged:
-        with writing(places[fold]):
-            _write(places[fold], one)
-        done[fold] = one
+
+    def tell() -> None:
         if show is not None:
-            show(float(len(done)))
-    return [done[fold] for fold in range(folds)]
+            show(float(count_kept(models, folds, folder)))
+
+    tasks = [(tosses, models, folds, fold, folder, settings) for fold in range(folds)]
+    out: dict[int, dict[str, JudgedLaw]] = {}
+    for fold, judged in results_of(_judge, tasks, jobs, tell):
+        out[fold] = judged
+        tell()
+    return [out[fold] for fold in range(folds)]
 
 
-def folds_folder(parent: Path, tosses: Tosses, models: Sequence[Any], settings: dict[str, Any]) -> Path:
-    """Return where folds of these tosses, laws and settings are kept: a name of its own for each of them."""
+def count_kept(models: Sequence[TossModel], folds: int, folder: Path) -> int:
+    """Return how many of the laws of all folds a folder holds."""
+    return sum(FoldFiles(folder, fold, folds).place(m).is_file() for fold in range(folds) for m in models)
+
+
+def folds_folder(parent: Path, tosses: Tosses, first: TossModel, settings: dict[str, Any]) -> Path:
+    """Return where folds of these tosses, settings and first law are kept: a name of its own for each."""
     told = hashlib.sha256()
     for array in (tosses.states, tosses.starts, np.array(tosses.dt)):
         told.update(np.ascontiguousarray(array).tobytes())
@@ -67,51 +105,46 @@ def folds_folder(parent: Path, tosses: Tosses, models: Sequence[Any], settings: 
     for key, value in sorted(settings.items()):
         is_file = isinstance(value, Path) and value.is_file()
         told.update(value.read_bytes() if is_file else f"{key}={value}".encode())
-    packages = {"surefoot", *(model.name for model in models)}
-    versions = [f"{name} {version(name)}" for name in sorted(packages) if find_spec(name)]
-    told.update(repr([[model.name for model in models], versions]).encode())
+    told.update(f"{FoldFiles(Path(), 0, 1).place(first).name} {version('surefoot')}".encode())
     return parent / f"folds-{told.hexdigest()[:8]}"
 
 
 def _judge(
-    tosses: Tosses, models: Sequence[Any], folds: int, left: list[int], workers: int, settings: dict[str, Any]
-) -> Iterator[tuple[int, JudgedFold]]:
-    """Yield numbers and judgements of folds as they are done."""
-    if workers <= 1:
-        for fold in left:
-            yield fold, judge_fold(tosses, models, folds, fold, **settings)
-        return
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        waiting = {pool.submit(judge_fold, tosses, models, folds, fold, **settings): fold for fold in left}
-        try:
-            for future in as_completed(waiting):
-                yield waiting[future], future.result()
-        except BaseException:  # an interrupt, or a fold that fails: the others are not waited for
-            for process in list(pool._processes.values()):
-                process.terminate()
-            raise
+    tosses: Tosses, models: Sequence[TossModel], folds: int, fold: int, folder: Path, settings: dict[str, Any]
+) -> dict[str, JudgedLaw]:
+    """Judge a fold, and keep its laws."""
+    return judge_fold(tosses, models, folds, fold, kept=FoldFiles(folder, fold, folds), **settings)
 
 
-def _write(place: Path, fold: JudgedFold) -> None:
-    """Write a fold as an .npz without pickles; whole or not at all."""
-    arrays: dict[str, Any] = {}
-    for law, errors in fold.errors.items():
-        arrays |= {f"{law}/{kind}": getattr(errors, kind) for kind in KINDS}
-        arrays |= {f"{law}/value/{name}": np.float64(value) for name, value in fold.values[law].items()}
-    draft = place.with_name(f"{place.stem}.{os.getpid()}.npz")
-    np.savez(draft, **arrays)
+def _write(place: Path, judged: JudgedLaw) -> None:
+    """Write a law as an .npz without pickles."""
+    numbers = judged.numbers
+    arrays: dict[str, Any] = {f"error/{kind}": getattr(judged.errors, kind) for kind in KINDS}
+    arrays |= {f"found/{name}": np.float64(value) for name, value in judged.values.items()}
+    arrays |= {f"value/{name}": np.float64(value) for name, value in numbers.values.items()}
+    arrays |= {f"draw/{name}": draws for name, draws in numbers.draws.items()}
+    arrays |= {f"estimate/{name}": np.array(astuple(e)[:3]) for name, e in numbers.parameters.items()}
+    arrays |= {f"unit/{name}": np.array(e.unit) for name, e in numbers.parameters.items()}
+    arrays["scale/"] = np.float64(np.nan if numbers.scale is None else numbers.scale)
+    draft = place.with_name(f"{place.stem}.{os.getpid()}.part")
+    with draft.open("wb") as file:
+        np.savez(file, **arrays)
     draft.replace(place)
 
 
-def _read(place: Path) -> JudgedFold:
-    """Read a fold that `_write` wrote."""
-    errors: dict[str, dict[str, Any]] = {}
-    values: dict[str, dict[str, float]] = {}
+def _read(place: Path) -> JudgedLaw:
+    """Read a law that `_write` wrote."""
+    parts: dict[str, dict[str, Any]] = {}
     with np.load(place, allow_pickle=False) as file:
         for key in file:
-            law, *rest = key.split("/")
-            if rest[0] == "value":
-                values.setdefault(law, {})[rest[1]] = float(file[key])
-            else:
-                errors.setdefault(law, {})[rest[0]] = np.array(file[key])
-    return JudgedFold({law: TossErrors(**own) for law, own in errors.items()}, values)
+            part, name = key.split("/", 1)
+            parts.setdefault(part, {})[name] = file[key]
+    found, values = ({name: float(x) for name, x in parts[part].items()} for part in ("found", "value"))
+    units = parts["unit"]
+    estimates = {
+        name: Estimate(float(value), float(low), float(high), str(units[name]))
+        for name, (value, low, high) in parts["estimate"].items()
+    }
+    scale = float(parts["scale"][""])
+    numbers = BodyNumbers(values, parts["draw"], estimates, None if np.isnan(scale) else scale)
+    return JudgedLaw(TossErrors(**parts["error"]), found, numbers)

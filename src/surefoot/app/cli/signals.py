@@ -8,6 +8,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from types import FrameType
 from typing import Any
 
@@ -60,6 +61,15 @@ class EndSignal:
     def code(self) -> int:
         """The exit code of an interrupted run: 128 and the signal's number, as shells count."""
         return INTERRUPTED if self.number is None else 128 + self.number
+
+
+def say_interrupted(stop: EndSignal, folder: Path) -> int:
+    """Say that a run that was interrupted can go on from its folder; return the exit code."""
+    from surefoot.app.cli.console import plain_console, say
+
+    line = f"interrupted; what is done is in {folder}, the same command goes on from there"
+    say(plain_console(stderr=True), line)
+    return stop.code
 
 
 @contextmanager

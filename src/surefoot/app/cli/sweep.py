@@ -10,9 +10,9 @@ import numpy as np
 import typer
 
 from surefoot.app.cli import options, parsing
-from surefoot.app.cli.console import plain_console, progress_bar, say, show, table
+from surefoot.app.cli.console import progress_bar, say, show, table
 from surefoot.app.cli.extras import missing
-from surefoot.app.cli.signals import INTERRUPTED, ends_softly
+from surefoot.app.cli.signals import ends_softly, say_interrupted
 from surefoot.base.errors import ProblemError
 
 if TYPE_CHECKING:
@@ -68,9 +68,7 @@ def sweep(
                 tell=None if moved is None else lambda done: moved(float(done)),
             )  # fmt: skip
         except KeyboardInterrupt:
-            said = f"interrupted; what is done is in {folder}, the same command goes on from there"
-            say(plain_console(stderr=True), said)
-            return stop.code or INTERRUPTED
+            return say_interrupted(stop, folder)
     facts, found = _facts(result)
     if picture and (error := missing(["matplotlib"])) is not None:
         facts["notes"].append(f"no picture: {error}")

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol, cast
 
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, whole_number
 from surefoot.base.errors import ProblemError
-from surefoot.records.identification.identify import LEAST, identify
+from surefoot.records.identification.identify import LEAST, begin_fit, identify
 from surefoot.records.identification.toss_errors import Difference, TossErrors, paired_difference
-from surefoot.records.identification.toss_fit import BodyFit, TossFit
+from surefoot.records.identification.toss_fit import BodyFit, BodyNumbers, TossFit
 from surefoot.records.identification.toss_model import TossModel
 from surefoot.records.identification.tosses import Tosses
 
@@ -38,19 +38,42 @@ class FoldErrors(NamedTuple):
         return paired_difference(getattr(self.errors, kind), getattr(other.errors, kind))
 
 
-class JudgedFold(NamedTuple):
-    """What laws make of the tosses of one fold that their fits had not seen.
+class JudgedLaw(NamedTuple):
+    """What a law makes of the tosses of one fold that its fit had not seen.
 
     Attributes
     ----------
     errors
-        (k,) of each of its tosses, law by law.
+        (k,) of each of its tosses.
     values
-        Numbers that were fitted, law by law and by name.
+        Numbers that were fitted, by name.
+    numbers
+        The body as the law found it.
     """
 
-    errors: dict[str, TossErrors]
-    values: dict[str, dict[str, float]]
+    errors: TossErrors
+    values: dict[str, float]
+    numbers: BodyNumbers
+
+
+class KeptLaws(Protocol):
+    """Where the laws of a fold are kept as soon as they are judged."""
+
+    def read(self, model: TossModel) -> JudgedLaw | None:
+        """Return what is kept of a law; None without it."""
+
+    def write(self, model: TossModel, judged: JudgedLaw) -> None:
+        """Keep a law."""
+
+
+class NothingKept:
+    """Keeps no law."""
+
+    def read(self, model: TossModel) -> JudgedLaw | None:
+        """Return None."""
+
+    def write(self, model: TossModel, judged: JudgedLaw) -> None:
+        """Do nothing."""
 
 
 def cross_validate(
@@ -101,31 +124,52 @@ def judge_fold(
     folds: int,
     fold: int,
     fit: Callable[..., TossFit] = identify,
+    kept: KeptLaws | None = None,
     **settings: Any,
-) -> JudgedFold:
-    """Fit laws to all tosses but those of a fold, and judge them on these; parameters of `cross_validate`."""
+) -> dict[str, JudgedLaw]:
+    """Fit laws to all tosses but those of a fold, and judge them on these.
+
+    Parameters
+    ----------
+    tosses, models, folds, fit, settings
+        See `cross_validate`.
+    fold
+        Its number, from 0.
+    kept
+        Where laws are kept: one that is there is not fitted.
+
+    Returns
+    -------
+    dict
+        What was judged, law by law.
+    """
+    kept = kept or NothingKept()
     number = np.arange(len(tosses)) % folds
     rest, own = (tosses.subset(np.flatnonzero(mask)) for mask in (number != fold, number == fold))
     found: BodyFit | None = None
-    errors: dict[str, TossErrors] = {}
-    values: dict[str, dict[str, float]] = {}
+    out: dict[str, JudgedLaw] = {}
     for model in models:
-        one = fit(rest, model, test=own, found=found, **settings)
-        found = one.found
-        if one.test is not None:
-            errors[model.name] = one.test
-        values[model.name] = {name: estimate.value for name, estimate in one.parameters.items()}
-    return JudgedFold(errors, values)
+        judged = kept.read(model)
+        if judged is None:
+            if found is None and out:
+                found = begin_fit(rest, models[0], **settings).at(out[models[0].name].numbers)
+            one = fit(rest, model, test=own, found=found, **settings)
+            values = {name: estimate.value for name, estimate in one.parameters.items()}
+            judged = JudgedLaw(cast(TossErrors, one.test), values, one.found.numbers)
+            kept.write(model, judged)
+            found = found or one.found
+        out[model.name] = judged
+    return out
 
 
-def gather_folds(tosses: Tosses, judged: Sequence[JudgedFold]) -> dict[str, FoldErrors]:
+def gather_folds(tosses: Tosses, judged: Sequence[dict[str, JudgedLaw]]) -> dict[str, FoldErrors]:
     """Return the errors of each law on all tosses, from all folds in their order."""
     out = {}
-    for law, names in judged[0].values.items():
+    for law, first in judged[0].items():
         errors = {kind: np.empty(len(tosses)) for kind in KINDS}
         for fold, one in enumerate(judged):
             for kind in KINDS:
-                errors[kind][fold :: len(judged)] = getattr(one.errors[law], kind)
-        values = {name: np.array([one.values[law][name] for one in judged]) for name in names}
+                errors[kind][fold :: len(judged)] = getattr(one[law].errors, kind)
+        values = {name: np.array([one[law].values[name] for one in judged]) for name in first.values}
         out[law] = FoldErrors(TossErrors(**errors), values)
     return out

@@ -23,11 +23,10 @@ from surefoot.records.identification.relevel_tosses import Levelling, find_level
 from surefoot.records.identification.thrown_body import ThrownBody, TossParameter, cube_body, thrown_body
 from surefoot.records.identification.thrown_body_tree import sphere_places
 from surefoot.records.identification.toss_errors import deviations, resample, toss_errors
-from surefoot.records.identification.toss_fit import BodyFit, Estimate, TossFit
+from surefoot.records.identification.toss_fit import SLOPES, BodyFit, Estimate, TossFit
 from surefoot.records.identification.toss_impacts import judged_impacts
 from surefoot.records.identification.toss_model import ThrownModel, TossModel, TossScene
 from surefoot.records.identification.toss_refit import (
-    SLOPES,
     Refit,
     estimate_of,
     ground_parameter,
@@ -112,9 +111,7 @@ def identify(
             progress(count)
 
     if found is None:
-        body = _body_of_tosses(model, tosses, others)
-        first = ThrownModel(steps=simulator.steps if isinstance(simulator, ThrownModel) else None)
-        found = identify_body(tosses, body, first, draws, tick, find_levelled(tosses, body))
+        found = _find_body(tosses, _body_of_tosses(model, tosses, others), simulator, draws, tick)
     tosses = found.upright(tosses)
     scene, before, own = found.scene(tosses), found.before(tosses), simulator.parameters
     values = np.array([found.values.get(p.name, p.start) for p in own])
@@ -129,6 +126,23 @@ def identify(
     if not refit.result.settled:
         notes.append(f"{simulator.name}: the search did not settle; take the intervals as too narrow")
     return _judge_fit(simulator, tosses, others, refit, notes, (count, begin))
+
+
+def begin_fit(
+    tosses: Tosses, simulator: TossModel, *, model: Robot | str | Path | None = None, resamples: int = 1000,
+    seed: int = 0,
+) -> BodyFit:  # fmt: skip
+    """Return the body from which `identify` begins with a law; see there for the arguments."""
+    draws = resample(len(tosses), resamples, seed)
+    return _find_body(tosses, _body_of_tosses(model, tosses, None), simulator, draws, lambda _: None)
+
+
+def _find_body(
+    tosses: Tosses, body: ThrownBody, simulator: TossModel, draws: FloatArray, tick: Callable[[float], None]
+) -> BodyFit:
+    """Identify a body by the rigid law, in as many steps as the simulator takes if it is of this package."""
+    first = ThrownModel(steps=simulator.steps if isinstance(simulator, ThrownModel) else None)
+    return identify_body(tosses, body, first, draws, tick, find_levelled(tosses, body))
 
 
 def _judge_fit(

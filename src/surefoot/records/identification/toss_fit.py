@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.drawn import Drawn
 from surefoot.records.identification.ground_plane import GroundPlane
@@ -17,6 +19,9 @@ from surefoot.records.identification.toss_model import TossScene
 from surefoot.records.identification.toss_start import TossFlight, flying_frames
 from surefoot.records.identification.tosses import Tosses
 
+SLOPES = ("slope_x", "slope_y")
+"""Names of the ground's slopes among the values of a fit."""
+
 
 @dataclass(frozen=True)
 class Estimate:
@@ -26,6 +31,15 @@ class Estimate:
     low: float
     high: float
     unit: str = ""
+
+
+class BodyNumbers(NamedTuple):
+    """What a law's fit changes of a `BodyFit`: `values`, `draws`, `parameters` and `scale` there."""
+
+    values: dict[str, float]
+    draws: dict[str, FloatArray]
+    parameters: dict[str, Estimate]
+    scale: float | None
 
 
 class BodyFit(NamedTuple):
@@ -69,6 +83,20 @@ class BodyFit(NamedTuple):
     notes: tuple[str, ...]
     first: tuple[ThrownBody, GroundPlane, float]
     scale: float | None = None
+
+    @property
+    def numbers(self) -> BodyNumbers:
+        """What `at` takes to find this fit again from one to the same tosses."""
+        return BodyNumbers(self.values, self.draws, self.parameters, self.scale)
+
+    def at(self, numbers: BodyNumbers) -> BodyFit:
+        """Return the fit with other numbers, as a law's fit to the same tosses leaves it."""
+        values = numbers.values
+        slopes = np.array([values[name] for name in SLOPES])
+        return self._replace(
+            body=self.nominal.at(values), gravity=values["gravity"],
+            plane=GroundPlane(values["ground"], slopes, self.plane.clear), **numbers._asdict(),
+        )  # fmt: skip
 
     def scene(self, tosses: Tosses) -> TossScene:
         """Return the scene of tosses, these or others of the same body on the same ground."""

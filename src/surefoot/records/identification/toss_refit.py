@@ -16,14 +16,12 @@ from surefoot.base.arrays import FloatArray
 from surefoot.records.identification.ground_plane import GroundPlane
 from surefoot.records.identification.thrown_body import ThrownBody, TossParameter
 from surefoot.records.identification.toss_errors import deviations
-from surefoot.records.identification.toss_fit import BodyFit, Estimate
+from surefoot.records.identification.toss_fit import SLOPES, BodyFit, BodyNumbers, Estimate
 from surefoot.records.identification.toss_model import TossModel, TossScene
 from surefoot.records.identification.toss_search import SearchResult, search
 from surefoot.records.identification.toss_start import TossFlight
 from surefoot.records.identification.tosses import Tosses
 
-SLOPES = ("slope_x", "slope_y")
-"""Names of the ground's slopes among the values of a fit."""
 MEASURED = {"gravity": 0.02, SLOPES[0]: 5e-4, SLOPES[1]: 5e-4}
 """Numbers that are measured without a law, and a step of each that shows [m/s², -, -]."""
 
@@ -87,17 +85,13 @@ def refit_body(
     best = search(simulate, parameters, start, tosses.frames, draws, scale=found.scale, descents=2)
     spread = dict(zip(names, best.draws.T, strict=True))
     here = now | dict(zip(names, best.values.tolist(), strict=True))
-    plane = GroundPlane(here["ground"], np.array([here[name] for name in SLOPES]), found.plane.clear)
     estimates = found.parameters | {p.name: estimate_of(here[p.name], spread[p.name], p.unit) for p in around}
     degrees = [float(np.degrees(np.arctan(here[name]))) for name in SLOPES]
     for name, value in zip(("gravity", "tilt_x", "tilt_y"), (here["gravity"], *degrees), strict=True):
         was = estimates[name]
         estimates[name] = Estimate(value, min(was.low, value), max(was.high, value), was.unit)
-    body = found.nominal.at({name: here[name] for name in names[count:]})
-    refitted = found._replace(
-        body=body, plane=plane, gravity=here["gravity"], parameters=estimates, values=here,
-        draws=found.draws | {p.name: spread[p.name] for p in around}, scale=best.scale,
-    )  # fmt: skip
+    drawn = found.draws | {p.name: spread[p.name] for p in around}
+    refitted = found.at(BodyNumbers(here, drawn, estimates, best.scale))
     return Refit(best.values[:count], best.draws[:, :count], refitted, best)
 
 
