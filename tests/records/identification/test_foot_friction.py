@@ -13,7 +13,6 @@ from surefoot.base.errors import ProblemError
 from surefoot.records.identification.foot_friction import (
     FootFriction,
     friction_of_feet,
-    friction_of_ground,
     friction_of_walk,
 )
 from surefoot.records.identification.walk_forces import WalkForces
@@ -45,8 +44,7 @@ def bounds(use: np.ndarray, sliding: np.ndarray, off: float = 0.5, against: floa
     open_left, scales = (np.broadcast_to(size**2 * np.eye(3), (*forces.shape, 3)) for size in (off, 0.6))
     pushed = WalkForces(forces, open_left, scales)
     steady = np.ones(ROWS, dtype=bool)
-    feet = friction_of_feet(robot, rows, pushed, steady, DT)
-    ground = friction_of_ground(robot, rows, pushed, steady, DT)
+    feet, ground = friction_of_feet(robot, rows, pushed, steady, DT)
     assert ground.slips == sum(foot.slips for foot in feet)
     assert ground.low >= feet[0].low - 1e-12
     return feet[0]

@@ -20,7 +20,7 @@ from surefoot.base.numerics.phases import runs_of
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot, real_actuators
 from surefoot.records.identification.friction_tracker import OPPOSED
-from surefoot.records.identification.walk_forces import WalkForces, foot_forces_of
+from surefoot.records.identification.walk_forces import LASTING, WalkForces, foot_forces_of
 from surefoot.records.identification.walk_motion import (
     CREEP,
     WINDOW,
@@ -33,10 +33,8 @@ from surefoot.records.log import Log
 
 LOADED = 0.12
 """Share of m g from which a foot tells of friction."""
-LASTED = 0.02
-"""A use of friction counts that lasts so long [s]."""
 CREEPING = 0.04
-"""Mean speed over `LASTED` from which a loaded foot may slide [m/s]."""
+"""Mean speed over `LASTING` from which a loaded foot may slide [m/s]."""
 SHARE = 0.02
 """Deviation of used friction by masses, places and clocks, as a share of it [-]."""
 SURE = 2.6
@@ -114,13 +112,13 @@ def friction_of_walk(robot: Robot, log: Log, known: BoolArray | None = None) -> 
     theta, _ = fit_motion(rows, motors, max(2, round(WINDOW / dt)), CREEP)
     pushed = foot_forces_of(robot, rows, motors, theta, dt)
     steady = is_upright(q[:-1]) if known is None else is_upright(q[:-1]) & known[:-1]
-    return friction_of_feet(robot, rows, pushed, steady, dt)
+    return friction_of_feet(robot, rows, pushed, steady, dt)[0]
 
 
 def friction_of_feet(
     robot: Robot, rows: WalkRows, pushed: WalkForces, upright: BoolArray, dt: float
-) -> tuple[FootFriction, ...]:
-    """Return friction under each foot.
+) -> tuple[tuple[FootFriction, ...], FootFriction]:
+    """Return friction under each foot, and of the ground, taken to be the same under all of them.
 
     Parameters
     ----------
@@ -134,22 +132,9 @@ def friction_of_feet(
         Of a row [s].
     """
     seen = _gather_evidence(robot, rows, pushed, upright, dt)
-    return tuple(_bound(foot.name, one) for foot, one in zip(robot.feet, seen, strict=True))
-
-
-def friction_of_ground(
-    robot: Robot, rows: WalkRows, pushed: WalkForces, upright: BoolArray, dt: float
-) -> FootFriction:
-    """Return friction of the ground, taken to be the same under all feet.
-
-    Parameters
-    ----------
-    robot, rows, pushed, upright, dt
-        See `friction_of_feet`: (T,) `upright`.
-    """
-    seen = _gather_evidence(robot, rows, pushed, upright, dt)
+    feet = tuple(_bound(foot.name, one) for foot, one in zip(robot.feet, seen, strict=True))
     slides = (np.concatenate(parts) for parts in zip(*(one[1:] for one in seen), strict=True))
-    return _bound("ground", _Evidence(max(one.low for one in seen), *slides))
+    return feet, _bound("ground", _Evidence(max(one.low for one in seen), *slides))
 
 
 def is_upright(q: FloatArray) -> BoolArray:
@@ -176,7 +161,7 @@ def _gather_evidence(
     """Return what each foot shows of friction."""
     owner = np.asarray(robot.contact_points.foot)
     motion = np.einsum("tpji,tpj->tpi", rows.frames, np.einsum("tpiv,tv->tpi", rows.levers, rows.v))
-    window, least = max(2, round(LASTED / dt)), LOADED * robot.mass * GRAVITY
+    window, least = max(2, round(LASTING / dt)), LOADED * robot.mass * GRAVITY
     out = []
     for k in range(len(robot.feet)):
         mine = owner == k

@@ -26,7 +26,7 @@ base's equations, as a share of m g."""
 SCALE = 0.03
 """Deviation of the scale of a joint's torques, the same in all rows [-]."""
 LASTING = 0.02
-"""Time around a row whose largest misfit counts for it [s]."""
+"""Time that a use of friction has to last, and around a row whose largest misfit counts for it [s]."""
 
 
 class WalkForces(NamedTuple):

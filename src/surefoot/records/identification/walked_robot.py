@@ -35,7 +35,6 @@ from surefoot.mechanics import Robot, real_actuators
 from surefoot.records.identification.foot_friction import (
     FootFriction,
     friction_of_feet,
-    friction_of_ground,
     is_upright,
 )
 from surefoot.records.identification.toss_fit import Estimate
@@ -162,7 +161,7 @@ def identify_robot(robot: Robot, log: Log, seed: int = 0) -> RobotFit:
     else:
         found["delay"] = delay
     seen = robot, rows, foot_forces_of(robot, rows, motors, best, dt), is_upright(q[:-1]), dt
-    feet, ground = friction_of_feet(*seen), friction_of_ground(*seen)
+    feet, ground = friction_of_feet(*seen)
     middle = ground.low if math.isinf(ground.high) else 0.5 * (ground.low + ground.high)
     found["mu"] = Estimate(middle, ground.low, ground.high)
     if math.isinf(found["mu"].high):
