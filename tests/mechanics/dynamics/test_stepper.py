@@ -9,6 +9,7 @@ import pytest
 import surefoot as sf
 from surefoot.base.errors import SimulationError
 from surefoot.mechanics.dynamics import State, StepOptions, Stepper
+from surefoot.mechanics.dynamics.impacts import Tally
 from surefoot.mechanics.robot.dynamics import delassus_dense, mass_matrix
 from surefoot.mechanics.terrain import FlatTerrain, Terrain, rough_ground
 from surefoot.worlds.rigid.bodies import ball, box, falling_cat
@@ -184,3 +185,25 @@ def test_bodies_with_one_many_and_no_contact_points(body: sf.Robot) -> None:
 def test_options_are_checked(options: dict[str, object], message: str) -> None:
     with pytest.raises(sf.ProblemError, match=message):
         StepOptions(**options)  # type: ignore[arg-type]
+
+
+def test_velocities_of_an_exchange_without_its_guess_are_means() -> None:
+    """Two corners of a box were twice as fast in a log's row once: laws hold for the sum as for its half."""
+    world = RigidWorld(box(1.0, (0.2, 0.1, 0.05), 0.01), mu=0.3, dt=0.002)
+    for _ in range(20):
+        world.step(np.zeros(0), np.array([8.0, 0.0, 0.0]))
+    stepper, (q, v) = world.stepper, world.q_v()
+    contacts, last = stepper.detect(q), world.last
+    assert last is not None
+    stepper.bodies.weigh(q)
+    free, arriving = v - [0.0, 0.0, 9.81 * 0.002, 0.0, 0.0, 0.0], contacts.velocities(v)
+    meeting = stepper.meeting(q, v, free, contacts, 0.002, 0.3, Tally())
+    fast = arriving + np.array([3.0, 0.0, 1.0])  # as if they had left so: what changed since makes energy
+    impact = meeting.collide(np.arange(len(contacts.gaps)), last.impulses, fast)
+    pressed = last.impulses[:, 2] > 0.0
+    assert impact.summed is not None
+    assert pressed.any()
+    np.testing.assert_array_equal(impact.summed, pressed)
+    means = 0.5 * (arriving + impact.leaving)
+    np.testing.assert_allclose(impact.means[pressed], means[pressed], atol=1e-12)
+    np.testing.assert_array_equal(impact.means[~pressed], impact.leaving[~pressed])

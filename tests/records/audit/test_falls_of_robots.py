@@ -1,4 +1,4 @@
-"""Falls in MuJoCo obey the laws: fast turns, hard landings and loads break neither motion nor depth."""
+"""Falls obey the laws: fast turns, hard landings and loads break neither motion nor depth."""
 
 from __future__ import annotations
 
@@ -10,9 +10,12 @@ import pytest
 
 import surefoot as sf
 from benchmarks.foreign.loops import LOOPS, OTHERS
+from surefoot.motion.walking.walkers import walking_controller
 from surefoot.records.audit.log_context import setting_of
 from surefoot.records.audit.rows import Rows
+from surefoot.worlds.interface.world_names import make_world
 from tests.records.audit.logs import changed
+from tests.robots import robot_of
 from tests.worlds.mujoco.strangers import QUADRUPED, quadruped
 
 mujoco = pytest.importorskip("mujoco")
@@ -35,6 +38,54 @@ def test_a_shoved_robot_falls_by_the_laws(seed: int) -> None:
     report = sf.audit_log(shoved(seed))
     assert report.lawful, report.sentence
     assert report.first_cause is None or report.first_cause.name == "push"
+
+
+@pytest.mark.parametrize(
+    ("robot", "world", "force"),
+    [
+        ("go2", "rigid", (0.0, 450.0, 0.0)),  # calves without stops whirl at 130 rad/s
+        ("go2", "rigid", (309.0, -245.0, 21.0)),
+        ("go2", "mujoco", (442.0, -178.0, -31.0)),  # soft contacts hand load from one to another
+        ("go2", "mujoco", (-196.0, -330.0, 77.0)),
+        ("go2", "mujoco-exact", (334.0, -476.0, -49.0)),  # stops take joints back without speed
+        ("go2", "mujoco-exact", (-528.0, 189.0, -54.0)),  # a foot comes down at 5 m/s
+        pytest.param("g1", "rigid", (-304.0, 123.0, 56.0), marks=pytest.mark.long),
+        pytest.param("g1", "mujoco", (-230.0, 280.0, 0.0), marks=pytest.mark.long),
+        pytest.param("g1", "mujoco-exact", (-241.0, -720.0, 8.0), marks=pytest.mark.long),
+    ],
+)
+def test_a_shoved_walk_of_ours_falls_by_the_laws(
+    robot: str, world: str, force: tuple[float, float, float]
+) -> None:
+    """Two to five times its weight for a fifth of a second, in each of our own worlds."""
+    own = robot_of(robot)
+    walker = walking_controller(own, sf.VelocityCommand.constant(0.4))
+    scenario = sf.Scenario(3.0, 0.6, [sf.Push(1.0, force, 0.2)])
+    report = sf.audit_log(sf.run(make_world(world, own), walker, scenario))
+    assert report.lawful, report.sentence
+    assert report.first_cause is not None
+    assert report.first_cause.name == "push"
+
+
+def test_limbs_that_whirl_hide_no_force_from_before() -> None:
+    """Rows in which a joint is far beyond its motor's speed are not judged, and a note says how many."""
+    own = robot_of("go2")
+    walker = walking_controller(own, sf.VelocityCommand.constant(0.4))
+    log = sf.run(
+        make_world("rigid", own), walker, sf.Scenario(3.0, 0.6, [sf.Push(1.0, (0.0, 450.0, 0.0), 0.2)])
+    )
+    model = setting_of(log, None).robot
+    assert model is not None
+    count = int(model.whirls(np.asarray(log["v"]), 1e-3).sum())
+    assert 20 < count < 200
+    assert not model.whirls(np.asarray(log["v"][:1000]), 1e-3).any()
+    assert any(note.startswith(f"in {count} rows a joint is faster") for note in sf.audit_log(log).notes)
+    forces = np.array(log["forces"])
+    forces[700:800, :, 2] *= 1.15
+    assert "motion" in sf.audit_log(changed(log, forces=forces)).laws_broken
+    velocities = np.array(log["contact_velocities"])
+    velocities[700:800, 1, 0] += 0.5
+    assert "contact velocity" in sf.audit_log(changed(log, contact_velocities=velocities)).laws_broken
 
 
 @pytest.mark.parametrize(

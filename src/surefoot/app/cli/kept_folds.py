@@ -79,15 +79,15 @@ def judge_folds(
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
 
-    def tell() -> None:
+    def count() -> None:
         if show is not None:
             show(float(count_kept(models, folds, folder)))
 
     tasks = [(tosses, models, folds, fold, folder, settings) for fold in range(folds)]
     out: dict[int, dict[str, JudgedLaw]] = {}
-    for fold, judged in results_of(_judge, tasks, jobs, tell):
+    for fold, judged in results_of(_judge, tasks, jobs, count):
         out[fold] = judged
-        tell()
+        count()
     return [out[fold] for fold in range(folds)]
 
 

@@ -108,7 +108,9 @@ class Meeting(NamedTuple):
             return impact
         # the guess would make energy: the mean velocity over the impulses themselves takes its place
         guess = self.contacts.swerves(self.before, -arriving, last, self.foot, 0.0)
-        return self._with_missed(near, last, None if guess is None else guess[1])
+        if guess is None:
+            return self._with_missed(near, last, None)
+        return self._with_missed(near, last, guess[1])._replace(summed=last[:, 2] > 0.0)
 
     def _with_missed(self, near: IntArray, warm: FloatArray, swerve: FloatArray | None) -> Impact:
         """Solve the contact problem; contacts that the impulses push into the ground join in."""

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.errors import ProblemError
 from surefoot.contact import ContactProblem, ContactSolution
 
@@ -126,6 +126,9 @@ class Impact(NamedTuple):
         the next impulses [m/s].
     solution
         With its problem; None without near contacts.
+    summed
+        (p,) contacts whose `velocities` are sums of those before and right after the impulses, twice their
+        means; None for none.
     """
 
     q: FloatArray
@@ -138,6 +141,14 @@ class Impact(NamedTuple):
     leaving: FloatArray
     velocities: FloatArray
     solution: ContactSolution | None
+    summed: BoolArray | None = None
+
+    @property
+    def means(self) -> FloatArray:
+        """(p, 3) mean contact velocities that the laws hold for [m/s]."""
+        if self.summed is None:
+            return self.velocities
+        return np.where(self.summed[:, None], 0.5 * self.velocities, self.velocities)
 
     def work(self, impulses: FloatArray, velocities: FloatArray) -> float:
         """Return λᵀ (u⁺ + u⁻) / 2 [J] for (p, 3) impulses and the velocities that the laws tie to them."""

@@ -286,7 +286,7 @@ class Stepper:
         q, v, rate = moved(bodies.coasting, q, impact.after, 0.5 * dt)
         memory = StepRemainder(impulses, impact.leaving, not near.size, rate, q, v)
         return Step(
-            State(q, v, state.steps + 1, memory), dt, impulses, impact.velocities, contacts.gaps,
+            State(q, v, state.steps + 1, memory), dt, impulses, impact.means, contacts.gaps,
             contacts.positions, impact, tally.unsolved, tally.worst, tally.law_error,
         )  # fmt: skip
 

@@ -33,7 +33,7 @@ from surefoot.records.audit.places import gap_place, jump, no_feet, no_ground
 from surefoot.records.audit.restitution import rebound, sparse, throw
 from surefoot.records.audit.rows import Measured, Rows, on_body, over
 from surefoot.records.audit.soles import has_soles, soles
-from surefoot.records.audit.within_row import limb_turns, turn_speed, way_to_touch
+from surefoot.records.audit.within_row import limb_turns, turn_speed, way_to_touch, whirling
 from surefoot.records.log import Log
 
 
@@ -191,6 +191,7 @@ def _motion(rows: Rows) -> Measured:
     limit = np.full(rows.count, limits.force * weight)
     if rows.setting.means:
         limit += sliding_max(_turned_forces(rows), w)
+    limit[whirling(rows, max(w, rows.window(limits.ringing_time)))] = np.inf
     return over(np.nan_to_num(value), limit[:, None])
 
 

@@ -16,7 +16,7 @@ from surefoot.records.audit.limits import LIMITS
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.places import anew
 from surefoot.records.audit.rows import Measured, Rows, over
-from surefoot.records.audit.within_row import edges, rigid, swing
+from surefoot.records.audit.within_row import edges, rigid, swing, whirling
 from surefoot.records.log import Log
 
 BASE = 7
@@ -35,14 +35,31 @@ def state(rows: Rows) -> Measured:
         speed = np.abs(v)
         if free_base(q, v, rows.setting.limits.records.unit_quaternion):  # world's axes, where v has its own
             speed[:, :3] = np.linalg.norm(v[:, :3], axis=1, keepdims=True)
-        off, step = np.abs(sliding_sum(slips, w)) * scale, speed * scale * rows.dt[:, None]
+        # what a stop takes a joint back by is no velocity: with it or without it
+        off = np.minimum(*(np.abs(sliding_sum(one, w)) for one in (slips, _without_stops(rows, slips, q))))
+        off, step = off * scale, speed * scale * rows.dt[:, None]
         # The trapezium may be half a change of velocity off, at most the highest step in the window; the rest
         # is drift.
-        bound = limits.way + _highest(step, w) + limits.drift * sliding_sum(step, w)
+        bound = limits.way + rows.setting.step_depth + _highest(step, w) + limits.drift * sliding_sum(step, w)
         worst = np.argmax(off / bound, axis=1)[:, None]
         value[:, -1:] = np.take_along_axis(off, worst, axis=1)
         limit[:, -1:] = np.take_along_axis(bound, worst, axis=1)
     return value, limit, value > limit
+
+
+def _without_stops(rows: Rows, slips: FloatArray, q: FloatArray) -> FloatArray:
+    """Return slips (T, nv) without what joints beyond their stops are taken back by, which is no velocity."""
+    robot = rows.setting.robot
+    if robot is None or q.shape[1] != BASE + robot.joints:
+        return slips
+    low, high = (
+        np.asarray(end)[BASE:] for end in (robot.model.lowerPositionLimit, robot.model.upperPositionLimit)
+    )
+    out, angles = slips.copy(), q[:, BASE:]
+    below, above = np.maximum(low - angles, 0.0), np.maximum(angles - high, 0.0)
+    own = out[:, robot.base_dof :]
+    own -= np.clip(own, -above, below)
+    return out
 
 
 def gap_rate(rows: Rows) -> Measured:
@@ -77,11 +94,12 @@ def contact_velocity(rows: Rows) -> Measured:
         w, off = rows.window(limits.smooth), rows.velocities - own
         # a row may have the velocity before its force, after it, or a mean of both
         change = after - own
-        size = np.maximum((change**2).sum(axis=-1), 1e-24)
         # of a touch within a row of means nobody knows how much of it the change takes
-        least, most = (-1.0, 2.0) if rows.setting.means else (0.0, 1.0)
-        share = np.clip((off * change).sum(axis=-1) / size, least, most)
-        off = off - share[..., None] * change
+        off = _less_of(off, change, *((-1.0, 2.0) if rows.setting.means else (0.0, 1.0)))
+        # what is after it may be so where the row begins, where it ends, or on the way: limbs whirl on
+        ahead = np.append(moving[1:, 0], moving[-1:, 1], axis=0)
+        there = np.einsum("tpji,tpj->tpi", rows.frames, ahead) - after
+        off = _less_of(off, np.nan_to_num(there), 0.0, 1.0)
         value = np.nan_to_num(np.linalg.norm(sliding_mean(off, w), axis=-1))
         size = np.nan_to_num(np.linalg.norm(own, axis=-1))
         limit = limits.velocity + limits.velocity_share * _highest(size, w)
@@ -91,8 +109,15 @@ def contact_velocity(rows: Rows) -> Measured:
             limit = np.where(touching, np.inf, limit + open_speed)
         # against what moves by itself they are not those of the robot's joints
         moves = np.asarray(rows.log.facts.get("contact_other_moves", np.zeros(rows.points))) > 0.0
-        limit = np.where(moves, np.inf, limit)
+        limit = np.where(moves | whirling(rows, w)[:, None], np.inf, limit)
     return over(value, limit)
+
+
+def _less_of(off: FloatArray, part: FloatArray, least: float, most: float) -> FloatArray:
+    """Return `off` (..., 3) less that multiple of `part`, within bounds, which leaves least of it."""
+    size = np.maximum((part**2).sum(axis=-1), 1e-24)
+    share = np.clip((off * part).sum(axis=-1) / size, least, most)
+    return np.asarray(off - share[..., None] * part)
 
 
 def no_kinematics(log: Log, setting: Setting) -> str:

@@ -18,10 +18,11 @@ def penetration(rows: Rows) -> Measured:
     moved = rows.has("torques") or bool(np.any(rows.log.facts.get("contact_other_moves", 0.0)))
     pressed = moved and rows.log.facts.get("kind") == "recording"
     limit = max(limits.penetration, limits.swing_depth * sinking if pressed else sinking)
+    limit = max(limit, rows.setting.step_depth)
     driven = min(stated(rows.log, "sinking_at_most"), rows.setting.limits.softness.sinking)
     deep = np.where(rows.swinging, max(limit, limits.swing_depth * sinking, driven), limit)
     # a soft corner goes on for a row while another one lands
-    late = rows.once(way_to_touch) if sinking > 0.0 else 0.0
+    late = rows.once(way_to_touch) if sinking > 0.0 or rows.setting.step_depth > 0.0 else 0.0
     return over(-rows.gaps, deep + late)
 
 

@@ -124,6 +124,7 @@ def log_laws(log: Log, judged: AuditLimits = LIMITS) -> LawFigures:
     sinking, stopping, settling = (
         min(stated(log, name), getattr(softest, name)) for name in ("sinking", "stopping", "settling")
     )
+    sinking = max(sinking, min(stated(log, "step_depth"), softest.sinking))
     worst, slides = np.full(6, -np.inf), start_slides(log["forces"].shape[1], limits)
     lost: dict[str, tuple[int, int, int]] = {}
     rows, depth, landed = 0, 0.0, -math.inf

@@ -86,6 +86,8 @@ class Setting:
     robots
         Robots of one weight side by side, whose contacts lie next to one another, as many of each; see
         `surefoot.records.audit.batch`.
+    step_depth
+        How deep contacts may be before a step finds them, as the log declares it [m].
     """
 
     names: tuple[str, ...]
@@ -110,6 +112,7 @@ class Setting:
     limits: AuditLimits = LIMITS
     missing_rows: str = ""
     robots: int = 1
+    step_depth: float = 0.0
 
     @property
     def means(self) -> bool:
@@ -184,12 +187,14 @@ def setting_of(log: Log, robot: Robot | None, limits: AuditLimits = LIMITS) -> S
             f"{1e3 * creep:.2g} mm/s {held} count as lawful{deep}{swing}"
         )
     model, why = _robot(log, robot, owner, doubts, limits.records.same_mass)
+    notes += _whirl_note(log, model, dt)
     weight = _weight(log, model, payload, notes, doubts)
     plane, ground = ground_of(log, limits, sinking, weight)
     return Setting(
         names, owner, feet, weight, dt, sinking, creep, stopping, settling, payload, place, model, why,
         velocities_after(log, dt, limits.records.clear), forces_late(log, dt, weight),
         plane or ground is not None, ground, tuple(notes), tuple(doubts), limits, lost,
+        step_depth=min(stated(log, "step_depth"), limits.softness.sinking),
     )  # fmt: skip
 
 
@@ -208,10 +213,27 @@ def _fact_notes(log: Log, limits: AuditLimits) -> Iterator[str]:
     """Yield a line for each declared fact that widens a limit by its own size."""
     if log.facts.get("velocities") == "mean":
         yield MEANS
+    if (found := stated(log, "step_depth")) > limits.laws.penetration:
+        yield (
+            f"contacts go up to {1e3 * found:.3g} mm into the ground before a step finds them: that counts "
+            f"as lawful, up to {1e3 * limits.softness.sinking:g} mm; a shorter step tells more"
+        )
     if (margin := float(np.max(log.facts.get("contact_margin", 0.0)))) > limits.laws.penetration:
         yield (
             f"the world's contacts push from a margin of up to {1e3 * margin:.3g} mm: forces across such a "
             f"gap count as lawful, up to {1e3 * limits.softness.sinking:g} mm; a margin of zero tells more"
+        )
+
+
+def _whirl_note(log: Log, model: LoggedRobot | None, dt: float) -> Iterator[str]:
+    """Yield a line where limbs whirl: their forces are not judged there."""
+    if model is None or "v" not in log:
+        return
+    count = sum(int(model.whirls(np.asarray(piece["v"]), dt).sum()) for piece in log.chunks())
+    if count:
+        yield (
+            f"in {count} rows a joint is faster than its motor can, and turns far within a row: forces are "
+            "not held against the motion there"
         )
 
 

@@ -10,11 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.base.arrays import BoolArray, IntArray
+from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.errors import SurefootError
 from surefoot.mechanics import Robot
 from surefoot.records.audit.model_changes import masses_changed
 from surefoot.records.log import Log
+
+WHIRL, BEYOND, FASTEST = 0.02, 1.2, 40.0
+"""A joint that turns by so much within a row [rad], so many times as fast as its motor can, whirls; motors of
+legs turn no faster than the last, whatever their model says [rad/s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +60,17 @@ class LoggedRobot:
     def mass(self) -> float:
         """Of all links [kg]."""
         return float(sum(inertia.mass for inertia in self.model.inertias))
+
+    def whirls(self, v: FloatArray, dt: FloatArray | float) -> BoolArray:
+        """Return in which rows of velocities (T, nv) a joint whirls: (T,).
+
+        A limb that nothing drives, thrown in a fall, is elsewhere at the end of a row than at its start;
+        which of the places on its way a step takes for its forces, nobody knows.
+        """
+        most = np.minimum(np.asarray(self.model.velocityLimit)[self.base_dof :], FASTEST)
+        speed = np.abs(np.nan_to_num(np.asarray(v)[:, self.base_dof :]))
+        fast = (speed > BEYOND * most) & (speed * np.reshape(dt, (-1, 1)) > WHIRL) & (most > 0.0)
+        return np.asarray(fast.any(axis=1))
 
     def leg(self, foot: int) -> BoolArray:
         """Return which velocity components move a foot: (nv,)."""

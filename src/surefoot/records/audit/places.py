@@ -14,7 +14,7 @@ from surefoot.base.arrays import BoolArray
 from surefoot.records.audit.ground import LEVEL, MEASURED, in_the_middle, on_ground
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.rows import Measured, Rows, over
-from surefoot.records.audit.within_row import fall, way_to_touch
+from surefoot.records.audit.within_row import fall, way_to_touch, whirling
 from surefoot.records.log import Log
 
 ROLLS = 3.5
@@ -51,7 +51,8 @@ def jump(rows: Rows) -> Measured:
     bend[1:-1] = np.where(turned[1:] | turned[:-1], 0.0, bend[1:-1])
     change = np.linalg.norm(np.diff(rows.velocities, axis=0, append=rows.velocities[-1:]), axis=2)
     allowed = ROLLS * maximum_filter1d(change, 5, axis=0) * dt + fall(rows) * dt**2
-    return over(bend, rows.setting.limits.consistency.jump + allowed)
+    limit = rows.setting.limits.consistency.jump + allowed
+    return over(bend, np.where(whirling(rows, 2)[:, None], np.inf, limit))
 
 
 def anew(rows: Rows) -> BoolArray:

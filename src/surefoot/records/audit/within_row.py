@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.numerics.windows import sliding_sum
 from surefoot.base.spatial import GRAVITY
 from surefoot.records.audit.logged_robot import LoggedRobot
 from surefoot.records.audit.rows import Rows
@@ -97,6 +98,15 @@ def limb_turns(rows: Rows, robot: LoggedRobot) -> FloatArray:
     base = np.linalg.norm(speed[:, 3:6], axis=1)
     limb = speed[:, robot.base_dof :] @ robot.support[:, robot.base_dof :].T.astype(np.float64)
     return np.asarray((base[:, None] + limb) * rows.dt[:, None])
+
+
+def whirling(rows: Rows, wide: int) -> BoolArray:
+    """Return which rows (T,) have one within `wide` in which a joint whirls, see `LoggedRobot.whirls`."""
+    robot = rows.setting.robot
+    if robot is None or "v" not in rows.log:
+        return np.zeros(rows.count, dtype=bool)
+    whirled = robot.whirls(rows.numbers("v"), rows.dt)
+    return sliding_sum(whirled.astype(np.float64), 2 * wide + 3) > 0.0
 
 
 def turns_of(rows: Rows) -> FloatArray:

@@ -59,6 +59,7 @@ FACTS: dict[str, Fact] = {
     "kind": Fact("what it did: stand, walk, ...", text=True),
     "world": Fact("what simulated it", text=True),
     "sinking": Fact("how deep the world's own contact lets a loaded foot sink [m]"),
+    "step_depth": Fact("how deep a step may find the fastest contact, which it takes back without speed [m]"),
     "sinking_at_most": Fact("how deep all kinetic energy there was would drive a single contact [m]"),
     "creep": Fact("how fast it lets a sticking foot creep [m/s]"),
     "stopping": Fact("on which way its friction stops a foot that lands sliding [m]"),

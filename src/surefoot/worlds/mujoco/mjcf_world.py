@@ -139,7 +139,7 @@ class MjcfWorld(MujocoWorld):
         both = [*self._reader.feet.geoms.tolist(), *self.ground_geoms]
         self.model.geom_friction[both, 0] = max(real_number("mu", mu, low=0.0), 1e-5)
 
-    def softness(self, log: Log) -> dict[str, float]:
+    def softness(self, log: Log) -> dict[str, Any]:
         """Return what the softness of feet and ground means in a run; see `MujocoWorld.softness`."""
         if self.stepper is not None:
             return super().softness(log)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Unpack, cast
+from typing import Any, Unpack, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,7 +31,7 @@ from surefoot.worlds.mujoco.foot_reader import DataViews, FootReader
 from surefoot.worlds.mujoco.links import add_links, generalised_force
 from surefoot.worlds.mujoco.readings import pinocchio_state as pinocchio_state
 from surefoot.worlds.mujoco.readings import to_pinocchio
-from surefoot.worlds.mujoco.record_softness import world_softness
+from surefoot.worlds.mujoco.record_softness import exact_softness, world_softness
 from surefoot.worlds.mujoco.resuming import mujoco_state, resume_mujoco
 from surefoot.worlds.mujoco.spec import (
     CONTACT_TIME,
@@ -374,13 +374,14 @@ class MujocoWorld(Remade):
 
     set_point_friction = set_point_friction
 
-    def softness(self, log: Log) -> dict[str, float]:
+    def softness(self, log: Log) -> dict[str, Any]:
         """Return what the ground's softness means in a run: `sinking` [m], `creep` [m/s], `stopping` [m].
 
-        Exact contacts have none; `unsolved_steps` says how many steps were soft all the same.
+        Whether contacts rebound and how fast they come out of the ground, too. Exact contacts have none, see
+        `exact_softness`.
         """
         if self.stepper is not None:
-            return {"unsolved_steps": float(self.unsolved)}
+            return exact_softness(self.dt / self.substeps, self.unsolved, log)
         load = float(np.linalg.norm(self.model.opt.gravity)) * (self.robot.mass + self.payload)
         return world_softness(
             self.mujoco, self.model, self.ground_geoms[0], self._reader.feet.bodies, log, load

@@ -27,6 +27,7 @@ from surefoot.base.errors import ProblemError
 from surefoot.contact import MujocoLaw
 from surefoot.records import Log
 from surefoot.worlds.mujoco.landing import impedance_at, landing_depth, recoil_rate, rest_depth
+from surefoot.worlds.mujoco.stepper.stepper import REACH
 
 SWING = 5.0
 """Time constants of a critically damped contact after which a touchdown has died away: to one per cent."""
@@ -332,8 +333,10 @@ def inverse_mass(
 
 def world_softness(
     mujoco: Any, model: Any, ground: int, bodies: IntArray, log: Log, load: float
-) -> dict[str, float]:
-    """Return what `declare_softness` does for feet on a ground geom whose priority decides.
+) -> dict[str, Any]:
+    """Return what recordings say of soft contacts, for feet on a ground geom whose priority decides.
+
+    That is `declare_softness`, the fact `critically_damped` (p,), and `recoil`.
 
     Parameters
     ----------
@@ -358,4 +361,24 @@ def world_softness(
     if model.njnt and model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE:
         qpos[:, 3:7] = qpos[:, [6, 3, 4, 5]]  # x, y, z, w in the log
     landing = hardest_landing(mujoco, model, pairs, qpos, log.arrays)
-    return declare_softness([s for s in soft if s is not None], load, landing)
+    known = [s for s in soft if s is not None]
+    response = declare_response(known, load)
+    out: dict[str, Any] = dict(declare_softness(known, load, landing))
+    out["critically_damped"] = np.array([float(s is not None and not s.rebounds) for s in soft])
+    return out | {name: response[name] for name in ("recoil",) if name in response}
+
+
+def exact_softness(dt: float, unsolved: int, log: Log) -> dict[str, float]:
+    """Return what exact contacts leave of a run: the facts `unsolved_steps`, and `step_depth` [m] if any.
+
+    A contact that comes nearer than `REACH` is found before it touches. The fastest goes on for a step of
+    `dt` [s], by its velocity in the row before: deeper than this is no step.
+    """
+    out = {"unsolved_steps": float(unsolved)}
+    gaps, velocities = np.asarray(log["gaps"]), np.asarray(log["contact_velocities"])
+    closing = np.zeros(gaps.shape, dtype=bool)
+    closing[1:] = (gaps[1:] <= 0.0) & (gaps[:-1] > 0.0)
+    down = np.maximum(-velocities[..., 2], 0.0)
+    down[1:] = np.maximum(down[1:], down[:-1])
+    way = ROUNDED * dt * float(np.nan_to_num(np.where(closing, down, 0.0)).max(initial=0.0))
+    return out | {"step_depth": way} if way > REACH else out

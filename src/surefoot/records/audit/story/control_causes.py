@@ -12,7 +12,7 @@ from surefoot.base.spatial import GRAVITY
 from surefoot.records.audit.story.failure import fall
 from surefoot.records.audit.story.sign import Sign
 from surefoot.records.audit.story.signals import Signals
-from surefoot.records.audit.story.world_causes import model_changes
+from surefoot.records.audit.story.world_causes import model_changes, push
 
 FAINT = 1e-3
 """Share of a joint's largest torque below which the digits of a log say nothing."""
@@ -131,6 +131,10 @@ def delay(s: Signals) -> Iterator[Sign]:
     if len(q) < 4 * longest:
         return
     ticks = s.ticks[(s.ticks >= longest) & (s.time[s.ticks] < last)]
+    # what a robot does that is thrown by a push tells little of how it is controlled
+    thrown = min((sign.time for sign in push(s)), default=np.inf)
+    calm = ticks[s.time[ticks] < thrown]
+    ticks = calm if len(calm) >= 4 * longest else ticks
     stride = max(1, (len(ticks) - 1) // ENOUGH)
     pairs = ticks[:-1][::stride], ticks[1:][::stride]
 
