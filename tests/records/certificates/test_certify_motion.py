@@ -75,6 +75,13 @@ def test_standing_still_is_possible(g1: sf.Robot) -> None:
     check_report(report)
 
 
+def test_a_robot_may_be_named(g1: sf.Robot) -> None:
+    named, given = (sf.certify_motion(robot, still(g1)) for robot in ("g1", g1))
+    np.testing.assert_array_equal(named.frames.share, given.frames.share)
+    with pytest.raises(sf.SurefootError, match="nobody"):
+        sf.certify_motion("nobody", still(g1))
+
+
 def test_a_floating_robot_hangs_and_is_told_by_how_much(g1: sf.Robot) -> None:
     report = sf.certify_motion(g1, moved(still(g1), np.array([0.0, 0.0, 0.05])))
     assert report.verdict == "impossible"

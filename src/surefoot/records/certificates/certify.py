@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,14 +25,14 @@ from surefoot.records.certificates.segments import find_segments
 from surefoot.records.certificates.touching_points import touching_points
 from surefoot.records.log.log import Log
 from surefoot.records.motions.motion import Motion
-from surefoot.records.motions.read_motion import read_motion
+from surefoot.records.motions.read_motion import read_motion, robot_of_motion
 
 SAID = 1e-3
 """Height of the whole motion above the ground from which a note says so [m]."""
 
 
 def certify_motion(
-    robot: Robot,
+    robot: Robot | str | Path,
     motion: Motion | Log,
     mu: float | ArrayLike = 0.8,
     sliding_mu: Sequence[float] = (0.3, 0.8),
@@ -50,7 +51,8 @@ def certify_motion(
     Parameters
     ----------
     robot
-        Any with a floating base; masses, limits and collision shapes are its model's.
+        Any with a floating base, or what `load_robot` takes; masses, limits and collision shapes are its
+        model's.
     motion
         Configurations of that robot at an even rate, from `read_motion` or from arrays; or a log or a plan,
         which `read_motion` makes one of.
@@ -77,7 +79,7 @@ def certify_motion(
     give forces in the cone of `mu`, faster ones against their velocity only, with friction in `sliding_mu`.
     Impacts are in the mean over a window; joints at their stops carry any torque away from them.
     """
-    of_kind("robot", robot, Robot)
+    robot = robot_of_motion(robot)
     if isinstance(motion, Log):
         motion = read_motion(motion, robot)
     of_kind("motion", motion, Motion)

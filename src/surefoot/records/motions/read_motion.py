@@ -81,7 +81,7 @@ def read_motion(
     >>> len(motion), round(motion.duration, 2)
     (50, 0.98)
     """
-    known = _robot(robot)
+    known = robot_of_motion(robot)
     found = dict(_contents(source))
     title = _title(source)
     if name is not None and name not in found:
@@ -106,12 +106,12 @@ def read_motions(
 
     Parameters and errors are those of `read_motion`; a motion's name is its key in the file.
     """
-    known = _robot(robot)
+    known = robot_of_motion(robot)
     for name, contents in _contents(source):
         yield _motion(source, name, contents, known, (fps, order, quaternion))
 
 
-def _robot(robot: Robot | str | Path) -> Robot:
+def robot_of_motion(robot: Robot | str | Path) -> Robot:
     """Return the robot that is given or named."""
     known = load_robot(robot) if isinstance(robot, str | Path) else robot
     of_kind("robot", known, Robot)
