@@ -6,8 +6,7 @@ import hashlib
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass
-from importlib.metadata import version
-from importlib.util import find_spec
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -49,8 +48,11 @@ class FoldFiles:
             _write(self.place(model), judged)
 
     def place(self, model: TossModel) -> Path:
-        """Return the file of a law; that of another package's simulator has its version in its name."""
-        release = f"-{version(model.name)}" if find_spec(model.name) else ""
+        """Return the file of a law; that of a package's simulator has its version in its name."""
+        try:
+            release = f"-{version(model.name)}"
+        except PackageNotFoundError:
+            release = ""
         return self.folder / f"fold-{self.fold + 1}-of-{self.folds}-{model.name}{release}.npz"
 
 
