@@ -21,7 +21,7 @@ import numpy as np
 
 import surefoot as sf
 from surefoot.base.arrays import FloatArray
-from surefoot.base.errors import ProblemError
+from surefoot.base.errors import ModelError, ProblemError, SurefootError, mujoco_line, one_line
 from surefoot.motion.control.controller import RobotState
 from surefoot.worlds.mujoco.readings import pinocchio_state
 from surefoot.worlds.mujoco.spec import import_mujoco
@@ -108,7 +108,10 @@ def on_a_floor(path: Path, mu: float) -> Any:
     Shapes whose files are not there are left out, too, which is said.
     """
     mujoco = import_mujoco()
-    spec = mujoco.MjSpec.from_file(str(path))
+    try:
+        spec = mujoco.MjSpec.from_file(str(path))
+    except (ValueError, OSError) as error:
+        raise ModelError(f"{path} is not an MJCF that MuJoCo can read: {mujoco_line(error)}") from error
     kinds, folder = mujoco.mjtGeom, path.parent / spec.meshdir
     there = {mesh.name for mesh in spec.meshes if (folder / mesh.file).is_file()}
     meshes = [g for g in spec.geoms if g.type == kinds.mjGEOM_MESH]
@@ -146,6 +149,14 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--seconds", type=float, default=4.0)
     given = parser.parse_args()
+    try:
+        print("\n".join(tabulated(given)))
+    except SurefootError as error:
+        parser.error(one_line(error))
+
+
+def tabulated(given: argparse.Namespace) -> list[str]:
+    """Return the lines of the table that was asked for."""
     model = on_a_floor(given.model, given.mu)
     step = float(model.opt.timestep)
     policy = sf.Policy(given.network, given.spec, command=(SPEED, 0.0, 0.0), dt=step, trust=True)
@@ -154,7 +165,7 @@ def main() -> None:
         model, loop, STANDARD, given.seeds, duration=given.seconds, start=loop.start,
         success=walked(given.seconds, float(loop.start[2])),
     )  # fmt: skip
-    print("\n".join(report.table()))
+    return report.table()
 
 
 if __name__ == "__main__":

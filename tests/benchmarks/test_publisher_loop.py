@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import mujoco
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from benchmarks.publisher_loop import PublisherLoop, on_a_floor, walked
+from benchmarks.publisher_loop import PublisherLoop, main, on_a_floor, walked
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import rotation_from_quaternion
 from surefoot.mechanics import Robot
@@ -114,3 +115,22 @@ def test_a_walk_succeeds_that_is_upright_and_went_half_the_way(tmp_path: Path) -
     for x, z, expected in ((1.2, 0.28, True), (0.8, 0.28, False), (1.2, 0.1, False)):
         data.qpos[0], data.qpos[2] = x, z
         assert walked(4.0, 0.28)(model, data) is expected
+
+
+@pytest.mark.parametrize("wrong", ["model", "network", "both"])
+def test_wrong_files_are_one_line(
+    tmp_path: Path, wrong: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    network = write_onnx(tmp_path / "go2_net.onnx", np.eye(45, 12, k=-33), np.full(12, 0.1))
+    (tmp_path / "go2_net.yaml").write_text(json.dumps(SPEC))
+    text = tmp_path / "text.xml"
+    text.write_text("no model")
+    files = {"model": (text, network), "network": (robot_file(tmp_path, "motor"), text)}
+    model, given = files.get(wrong, (tmp_path / "none.xml", tmp_path / "none.onnx"))
+    monkeypatch.setattr("sys.argv", ["publisher_loop", str(model), str(given)])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 2
+    last = capsys.readouterr().err.strip().splitlines()[-1]
+    assert "error: " in last
+    assert (text.name if wrong != "both" else "none.xml") in last
