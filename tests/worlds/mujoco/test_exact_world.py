@@ -14,8 +14,11 @@ import surefoot as sf
 from surefoot.base.errors import ProblemError, SimulationError
 from surefoot.base.memory import alike
 from surefoot.mechanics.robot import place
+from surefoot.mechanics.terrain import rough_ground
 from surefoot.motion.walking.walkers import walking_controller
 from surefoot.records import summarise_walk
+from surefoot.records.audit.log_context import setting_of
+from surefoot.records.audit.rows import Rows
 from surefoot.records.audit.summary.run_summary import world_name
 from surefoot.worlds.interface.world_names import make_world
 from surefoot.worlds.mujoco.exact_world import MujocoExactWorld
@@ -217,3 +220,16 @@ def test_a_file_that_is_a_world_has_exact_contacts_too() -> None:
         deepest[chosen] = -float(world.contacts().gaps.min())
     assert (world.kind, world.unsolved) == ("MjcfExactWorld", 0)
     assert deepest[True] < 1e-8 < 1e-6 < deepest[False]
+
+
+@pytest.mark.parametrize(("seed", "height"), [(3, 0.05), pytest.param(5, 0.08, marks=pytest.mark.long)])
+def test_forces_on_facets_of_rough_ground_explain_the_motion(seed: int, height: float) -> None:
+    """A foot that bears has its facets' normal: by the terrain's forces were up to 3 % beside, 5 N."""
+    own, ground = robot_of("go2"), rough_ground(seed, height)
+    walker = walking_controller(own, sf.VelocityCommand.constant(0.4), terrain=ground)
+    log = sf.run(make_world("mujoco-exact", own, terrain=ground), walker, sf.Scenario(2.0, 0.6))
+    rest = Rows(log, setting_of(log, None), 0, len(log)).unexplained
+    assert rest is not None
+    left = np.linalg.norm(rest.force[:-1], axis=1)
+    assert np.percentile(left, 99.0) < 1e-4
+    assert left.max() < 0.1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numba
+import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import INTEGER, MATRIX, REAL, VECTOR, inline_kernel, kernel
@@ -44,7 +45,8 @@ def face_principal(
     """Turn gaps and normals to the surface that bears most, of those that a foot touches.
 
     A foot in a corner touches floor and riser. Which of the two is nearer changes from step to step by less
-    than a hair, which bears it does not.
+    than a hair, which bears it does not. On curved ground MuJoCo's normals are those of facets, degrees off
+    the terrain's: a foot that bears has the mean of its facets', by their forces.
 
     Parameters
     ----------
@@ -69,12 +71,20 @@ def face_principal(
         if best < 0:
             continue
         sign, frame = (1.0 if owner[pairs[best, 1]] >= 0 else -1.0), contact_frames[best]
-        other = toward(frame, sign, normals[k]) < SAME_FACE
-        if moved or other:
+        if moved or toward(frame, sign, normals[k]) < SAME_FACE:
             gaps[k] = distances[best]
-        if other:
-            for i in range(3):
-                normals[k, i] = sign * frame[i]
+        face, mean = sign * frame[:3], np.zeros(3)
+        for c in range(len(addresses)):
+            first, second = owner[pairs[c, 0]], owner[pairs[c, 1]]
+            if addresses[c] < 0 or min(first, second) != -1 or max(first, second) != k:
+                continue
+            way = 1.0 if second >= 0 else -1.0
+            if toward(contact_frames[c], way, face) >= SAME_FACE:
+                for i in range(3):
+                    mean[i] += way * constraint_forces[addresses[c]] * contact_frames[c, i]
+        length = np.sqrt(mean[0] ** 2 + mean[1] ** 2 + mean[2] ** 2)
+        for i in range(3):
+            normals[k, i] = mean[i] / length
 
 
 @kernel
@@ -96,9 +106,9 @@ def read_contacts(
     """Fill in what the ground did to the feet's spheres; return whether any other contact pushed.
 
     A force's normal part is that along MuJoCo's own contact normals, its tangential part what is left,
-    turned into the terrain's tangents: on curved ground MuJoCo's normal is a facet's, a degree or so off
-    the terrain's, which would otherwise look like a broken cone. A contact whose normal is far from the
-    frame's is one with another surface (a foot in a corner has two), and counts among the others.
+    turned into the frame's tangents: of several facets under one foot each has a normal of its own, some
+    degrees off their mean, which would otherwise look like a broken cone. A contact whose normal is far from
+    the frame's is one with another surface (a foot in a corner has two), and counts among the others.
 
     Parameters
     ----------
