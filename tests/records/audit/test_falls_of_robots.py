@@ -10,6 +10,7 @@ import pytest
 
 import surefoot as sf
 from benchmarks.foreign.loops import LOOPS, OTHERS
+from surefoot.mechanics.terrain import Terrain, read_terrain
 from surefoot.motion.walking.walkers import walking_controller
 from surefoot.records.audit.log_context import setting_of
 from surefoot.records.audit.rows import Rows
@@ -65,6 +66,18 @@ def test_a_shoved_walk_of_ours_falls_by_the_laws(
     assert report.lawful, report.sentence
     assert report.first_cause is not None
     assert report.first_cause.name == "push"
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    "ground", [read_terrain("rough:2,0.03"), read_terrain("slope:10")], ids=["rough", "uphill"]
+)
+def test_a_biped_on_facets_and_at_its_stops_walks_by_the_laws(ground: Terrain) -> None:
+    """Corners of its soles have their facets' normals, and its ankles end their stance at a stop."""
+    own = robot_of("g1")
+    walker = walking_controller(own, sf.VelocityCommand.constant(0.4), terrain=ground)
+    log = sf.run(make_world("mujoco", own, terrain=ground), walker, sf.Scenario(5.0, 0.6))
+    assert sf.audit_log(log).laws_broken == ()
 
 
 def test_limbs_that_whirl_hide_no_force_from_before() -> None:
