@@ -184,3 +184,21 @@ def test_a_trot_whose_contact_velocities_are_degrees_is_broken_without_its_robot
         arrays["contact_velocities"] *= scale
         report = sf.audit_log(Log(arrays, facts, channels=log.channels))
         assert (report.verdict == "broken") is broken, report.sentence
+
+
+@pytest.mark.parametrize(("row", "broken"), [(50, False), (70, True), (30, True)])
+def test_half_a_row_goes_lost_where_all_loads_begin_and_nowhere_else(row: int, broken: bool) -> None:
+    """A foot flies on at 12 m/s; where another one lands a world tells the middle of its step."""
+    count = 100
+    time, (forces, velocities, places) = 1e-3 * np.arange(count), np.zeros((3, count, 2, 3))
+    forces[50:, 0, 2], velocities[:, 1, 0] = 9.81, 12.0
+    places[:, 1, 0], places[:, 1, 2] = 12.0 * time + np.where(np.arange(count) >= row, 6e-3, 0.0), 0.3
+    log = sf.Log(
+        {
+            "time": time, "forces": forces, "gaps": places[..., 2], "contact_velocities": velocities,
+            "contact_positions": places, "normals": np.tile([0.0, 0.0, 1.0], (count, 2, 1)),
+            "mu": np.full(count, 0.6),
+        },
+        {"mass": 1.0, "dt": 1e-3, "feet": ["standing", "flying"], "contact_foot": [0, 1]},
+    )  # fmt: skip
+    assert sf.audit_log(log).laws_broken == (("contact jump",) if broken else ())

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.base.arrays import BoolArray
+from surefoot.base.numerics.windows import sliding_sum
 from surefoot.records.audit.ground import LEVEL, MEASURED, in_the_middle, on_ground
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.rows import Measured, Rows, over
@@ -51,6 +52,12 @@ def jump(rows: Rows) -> Measured:
     bend[1:-1] = np.where(turned[1:] | turned[:-1], 0.0, bend[1:-1])
     change = np.linalg.norm(np.diff(rows.velocities, axis=0, append=rows.velocities[-1:]), axis=2)
     allowed = ROLLS * maximum_filter1d(change, 5, axis=0) * dt + fall(rows) * dt**2
+    # a world may tell places in the middle of steps with contacts, and at the start of others
+    touching = rows.over_robot(rows.loaded, np.logical_or)
+    turns = np.zeros(touching.shape)
+    turns[1:] = touching[1:] != touching[:-1]
+    speed = maximum_filter1d(np.linalg.norm(rows.velocities, axis=2), 3, axis=0)
+    allowed = allowed + np.where(sliding_sum(turns, 5) > 0.0, speed * dt, 0.0)
     limit = rows.setting.limits.consistency.jump + allowed
     return over(bend, np.where(whirling(rows, 2)[:, None], np.inf, limit))
 
