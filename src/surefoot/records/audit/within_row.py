@@ -102,11 +102,15 @@ def limb_turns(rows: Rows, robot: LoggedRobot) -> FloatArray:
 
 def whirling(rows: Rows, wide: int) -> BoolArray:
     """Return which rows (T,) have one within `wide` in which a joint whirls, see `LoggedRobot.whirls`."""
+    return sliding_sum(rows.once(_whirls).astype(np.float64), 2 * wide + 3) > 0.0
+
+
+def _whirls(rows: Rows) -> BoolArray:
+    """Return in which rows a joint whirls: (T,); in none where no robot is known."""
     robot = rows.setting.robot
     if robot is None or "v" not in rows.log:
         return np.zeros(rows.count, dtype=bool)
-    whirled = robot.whirls(rows.numbers("v"), rows.dt)
-    return sliding_sum(whirled.astype(np.float64), 2 * wide + 3) > 0.0
+    return robot.whirls(rows.numbers("v"), rows.dt)
 
 
 def turns_of(rows: Rows) -> FloatArray:

@@ -30,6 +30,13 @@ def toward(frame: FloatArray, sign: float, normal: FloatArray) -> float:
     return sign * along
 
 
+@inline_kernel
+def _is_of_sphere(pairs: IntArray, addresses: IntArray, owner: IntArray, c: int, k: int) -> bool:
+    """Return whether contact c presses and is of a foot's sphere k with the ground."""
+    first, second = owner[pairs[c, 0]], owner[pairs[c, 1]]
+    return bool(addresses[c] >= 0 and min(first, second) == -1 and max(first, second) == k)
+
+
 @kernel
 def face_principal(
     gaps: FloatArray,
@@ -63,10 +70,7 @@ def face_principal(
         # Of the contacts of sphere k with the ground, the one with the largest normal force.
         best, most = -1, 0.0
         for c in range(len(addresses)):
-            first, second = owner[pairs[c, 0]], owner[pairs[c, 1]]
-            if addresses[c] < 0 or min(first, second) != -1 or max(first, second) != k:
-                continue
-            if constraint_forces[addresses[c]] > most:
+            if _is_of_sphere(pairs, addresses, owner, c, k) and constraint_forces[addresses[c]] > most:
                 best, most = c, constraint_forces[addresses[c]]
         if best < 0:
             continue
@@ -75,10 +79,9 @@ def face_principal(
             gaps[k] = distances[best]
         face, mean = sign * frame[:3], np.zeros(3)
         for c in range(len(addresses)):
-            first, second = owner[pairs[c, 0]], owner[pairs[c, 1]]
-            if addresses[c] < 0 or min(first, second) != -1 or max(first, second) != k:
+            if not _is_of_sphere(pairs, addresses, owner, c, k):
                 continue
-            way = 1.0 if second >= 0 else -1.0
+            way = 1.0 if owner[pairs[c, 1]] >= 0 else -1.0
             if toward(contact_frames[c], way, face) >= SAME_FACE:
                 for i in range(3):
                     mean[i] += way * constraint_forces[addresses[c]] * contact_frames[c, i]

@@ -362,10 +362,11 @@ def world_softness(
         qpos[:, 3:7] = qpos[:, [6, 3, 4, 5]]  # x, y, z, w in the log
     landing = hardest_landing(mujoco, model, pairs, qpos, log.arrays)
     known = [s for s in soft if s is not None]
-    response = declare_response(known, load)
     out: dict[str, Any] = dict(declare_softness(known, load, landing))
     out["critically_damped"] = np.array([float(s is not None and not s.rebounds) for s in soft])
-    return out | {name: response[name] for name in ("recoil",) if name in response}
+    if known:
+        out["recoil"] = declare_response(known, load)["recoil"]
+    return out
 
 
 def exact_softness(dt: float, unsolved: int, log: Log) -> dict[str, float]:
