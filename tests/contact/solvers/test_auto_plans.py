@@ -13,12 +13,13 @@ from numba.core import event
 
 import surefoot as sf
 from benchmarks.problems.contacts import capsules
+from benchmarks.problems.heaps import rocks
 from surefoot.base.kernels import working_time
 from surefoot.contact.laws import LAWS
 from surefoot.contact.solvers import auto, on_blocks
 from surefoot.contact.solvers import strategies as plans
 
-TABLES = (plans.CONES, plans.CONES_MORE, plans.CONES_LARGE, plans.PYRAMIDS)
+TABLES = (plans.CONES, plans.CONES_MORE, plans.CONES_LARGE, plans.CONES_BODIES, plans.PYRAMIDS)
 PLANS = [*(plan for table in TABLES for plan in table.values()), plans.GENERAL]
 
 
@@ -52,6 +53,27 @@ def test_the_compiled_call_knows_no_cliff(boxes: int) -> None:
 def test_walls_are_left_to_the_interior_point_after_a_round() -> None:
     names = [stage.name for stage in plans.CONES_MORE["coulomb"]]
     assert names[:2] == [plans.FEW_BODIES, plans.LATER]
+
+
+def test_a_bridge_is_left_to_the_lightest_interior_point() -> None:
+    """The compiled call's later rounds took 6 to 17 ms of steps that an interior point solves in three."""
+    pytest.importorskip("mujoco")
+    from benchmarks.problems.stacked_scenes import SCENES, steps
+
+    late = [step.problem for step in steps(SCENES["bridge"], 60)][25::6]
+    for problem in late:
+        found = sf.solve(sf.ContactProblem(problem.G, problem.g, problem.mu), tol=1e-8)
+        assert found.solved
+        assert found.iterations < 400
+
+
+def test_a_heap_whose_bodies_are_known_is_left_to_admm() -> None:
+    """Sweeps and Newton steps took 12,000 iterations and six times as long, and ended above 1e-6."""
+    heap = rocks(np.random.default_rng(1), 150, 1063, 0.5)
+    assert heap.factor is not None
+    found = sf.solve(heap, tol=1e-4)
+    assert found.solved
+    assert found.iterations < 5000
 
 
 LAWFUL = np.array([0.3, 0.0, -1.0])
@@ -128,7 +150,7 @@ def squeezed(contacts: int) -> sf.ContactProblem:
     return sf.ContactProblem(J @ J.T, g, 0.5)
 
 
-@pytest.mark.parametrize("contacts", [30, 64, 200])
+@pytest.mark.parametrize("contacts", [30, 64, 200, 450])
 def test_contradictions_are_proven_before_the_methods_wear_out(contacts: int) -> None:
     found = sf.solve(squeezed(contacts))
     assert found.status is sf.Status.INFEASIBLE

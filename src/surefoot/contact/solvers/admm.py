@@ -31,6 +31,7 @@ from surefoot.base.kernels import inline_kernel, kernel, working_time
 from surefoot.base.numerics.elimination import invert_shifted
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.solution import Status
+from surefoot.contact.solvers.admm_penalty import PenaltyFloor, next_penalty
 from surefoot.contact.solvers.nsgs import refresh_dense
 from surefoot.contact.solvers.scaled import ScaledContacts
 from surefoot.contact.solvers.set_kernels import Packing, add_shift, natural_sets, project_sets
@@ -49,8 +50,6 @@ SPARSE_BELOW = 0.2
 LARGEST, FIRST, PROXIMAL = 3.0, 0.1, 1e-9
 """About the largest eigenvalue of G over its mean; the first penalty and the proximal term over that."""
 RELAXATION = 1.6
-BALANCE = 3.0
-"""The penalty changes when one residual exceeds the other by this factor."""
 POLISH, POLISH_EVERY, POLISH_IDLE, POLISH_NEAR = (1e-2, 3e-3, 3e-2), 50, 12, 1e-6
 """Penalties near an answer, over the largest eigenvalue of G; iterations between two looks at the error, how
 many in turn may not halve it, and the error below which the penalties after the first are tried."""
@@ -135,28 +134,6 @@ def _half_step(
         return _update(offset, group, table, rho, x, z, y, b, point)
     _right_side(offset, group, table, g, rho, eta, x, z, y, b)
     return 0.0, 0.0
-
-
-@inline_kernel
-def next_penalty(
-    rho: float, used: float, primal: float, dual: float, z: FloatArray, y: FloatArray, largest: float
-) -> float:
-    """Return the penalty that balances the residuals of z, y (m,), or the one in use if that is near enough.
-
-    rho sqrt((primal / max |z|) / (dual / max |y|)): Boyd et al. 2011, section 3.4.1, in relative residuals.
-    `largest` is about the largest eigenvalue of G, which bounds it from both sides.
-    """
-    most_z = most_y = 1e-300
-    for i in range(z.size):
-        most_z, most_y = max(most_z, abs(z[i])), max(most_y, abs(y[i]))
-    ratio = (primal / most_z) / max(dual / most_y, 1e-300)
-    if 1.0 / BALANCE <= ratio <= BALANCE:
-        return rho
-    # at most tenfold at a time, and far enough from G's spectrum on both sides that neither
-    # the copy nor the problem is forgotten
-    rho = min(max(rho * min(max(math.sqrt(ratio), 0.1), 10.0), 1e-8 * largest), 1e6 * largest)
-    # a new penalty costs an inverse: one that is within half of the old is not worth it
-    return rho if rho > 1.5 * used or rho < used / 1.5 else used
 
 
 @kernel
@@ -319,6 +296,7 @@ def run_admm(
     every = CHECK_MANY if scaled.problem.contacts > LARGE else CHECK_EVERY
     shape, rho, used = scaled.problem.shape, s.rho, 0.0
     best, least, done, next_finish = s.z * scaled.D, scaled.measure(s.z)[1], 0, FINISH_FROM * every
+    floor = PenaltyFloor(s.largest)
     while done < limit and least > settings.tol:
         if working_time() > end:
             return Answer(best.reshape(shape), done, Status.MAX_TIME)
@@ -328,6 +306,7 @@ def run_admm(
         primal, dual = run(now)
         done += now
         found, error = s.z * scaled.D, scaled.measure(s.z)[1]
+        floor.look(error, rho, now)
         if finish is not None and done >= next_finish and error > settings.tol:
             next_finish = int(FINISH_GROWTH * next_finish)
             tried, better = finish(s.z)
@@ -339,6 +318,7 @@ def run_admm(
         # convergence (Boyd et al. 2011, section 3.4.1)
         if done < ADAPTING * limit:
             rho = next_penalty(rho, used, primal, dual, s.z, s.y, s.largest)
+        rho = max(rho, floor.least)
     return Answer(best.reshape(shape), done)
 
 

@@ -3,11 +3,10 @@
 Exact cones, up to 128 contacts: one compiled call that alternates bursts of Gauss-Seidel sweeps with Newton
 steps (`compiled`); of more than 25 it takes one round first (of few bodies a taste of it), and further ones
 after the interior point where the contacts hold few bodies. Larger problems: sweeps on 3x3 blocks, then
-Newton steps by sparse factorisation with sweeps between them (`on_blocks`); where contacts are redundant,
-an interior point after the first of these steps, of few bodies before them (`interior_point`). What these
-leave unsolved falls into its connected parts, each solved by itself: one that has no solution must not keep
-the others from theirs. A single part goes through the stages of its plan, among them the search for a proof
-that there is no solution, made nowhere else for `auto`.
+Newton steps by sparse factorisation with sweeps between them while they halve the error (`on_blocks`), of few
+bodies an interior point before them (`interior_point`). What these leave unsolved falls into its connected
+parts, each solved by itself: one that has no solution must not keep the others from theirs. A single part
+goes through the stages of its plan, among them the search for a proof that there is no solution.
 The forces returned are the best that any stage found; the status is theirs.
 `max_time` is checked between methods and iterations; the one compiled call of a small problem looks at no
 clock and is given as many iterations as should fit. Without `max_time` no clock decides anything.
@@ -16,6 +15,7 @@ clock and is given as many iterations as should fit. Without `max_time` no clock
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -23,20 +23,24 @@ from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.errors import MissingExtra, SolverNotFound
 from surefoot.base.kernels import working_time
 from surefoot.contact.problem.problem import ContactProblem
-from surefoot.contact.problem.proof import InfeasibilityProof, check_proof, connected_parts
+from surefoot.contact.problem.proof import check_proof, connected_parts
 from surefoot.contact.problem.residuals import certificate
 from surefoot.contact.sets import ContactSet
 from surefoot.contact.solution import Status
 from surefoot.contact.solvers import on_blocks
 from surefoot.contact.solvers import strategies as plans
+from surefoot.contact.solvers.admm import polish
 from surefoot.contact.solvers.compiled import COMPILED_CONTACTS, LATER, attempt
 from surefoot.contact.solvers.infeasibility import find_proof
-from surefoot.contact.solvers.interior_point import where_few_bodies, where_light, where_redundant
-from surefoot.contact.solvers.newton_sparse import NO_GUESS
 from surefoot.contact.solvers.newton_step import FEW
+from surefoot.contact.solvers.redundant_contacts import (
+    where_few_bodies,
+    where_light,
+    where_lightest,
+    where_redundant,
+)
 from surefoot.contact.solvers.solver import (
     Answer,
-    SolverFunction,
     SolverSettings,
     mismatch,
     nearest_to_zero,
@@ -49,9 +53,13 @@ from surefoot.contact.solvers.strategies import INTERIOR, ON_BLOCKS, PARTS, PROO
 
 NEARLY = 1e-2
 """A velocity error of the compiled call's forces below which other methods come before a look for a proof."""
-POSSIBLE, EARLY_TIME = 1e-3, 0.1
-"""A velocity error of many contacts below which no proof of infeasibility is looked for before all else has
-failed, and seconds for an early look."""
+POSSIBLE = 1e-3
+"""A velocity error of many contacts below which forces are polished, and no proof of infeasibility is looked
+for before all else has failed."""
+EARLY_TIME, EARLY = 0.1, 0.1
+"""Seconds that an early look for a proof may take at least, and the share of what time is left."""
+NO_GUESS = 0.1
+"""A force error above which forces are no better a start than none."""
 RUNAWAY = 100.0
 """Forces beyond this many times s_k / ||G_kk||, what stops the fastest contact, run away: 8e3 to 1e5 where
 redundant contacts contradict each other, 12 in dense heaps of capsules."""
@@ -68,32 +76,14 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     if problem.contacts <= COMPILED_CONTACTS:
         return _run(problem, settings, warm_start, 0, _small_plan(problem, warm_start), start)
     forces = start_forces(problem, warm_start)
-    looks: list[InfeasibilityProof | None] = []
-
-    def infeasible(error: float) -> bool:
-        """Look for a proof: forces that run away look like progress.
-
-        Where time is bounded, for as long as the solve has taken; else no clock may decide what is found.
-        """
-        weight, speed = problem.scales[:2]
-        # w_k ||λ_k|| is the speed that a contact's own force gives it: far beyond
-        # any speed of the problem, it runs away
-        size = weight * np.linalg.norm(forces.reshape(-1, 3), axis=1)
-        if error > POSSIBLE and (size > RUNAWAY * speed).any():
-            taken = max(working_time() - start, EARLY_TIME)
-            looks.append(find_proof(problem, taken if settings.max_time < math.inf else math.inf))
-        return looks[-1:] not in ([], [None])
 
     tried: list[bool] = []
 
-    def interior(forces: FloatArray, most: int, early: bool) -> int:
-        """Take the forces of an interior point where contacts are redundant, if they are better."""
-        if tried:
-            return 0
+    def light(forces: FloatArray, most: int) -> int:
+        """Take the forces of an interior point where bodies are few and its steps light, if better."""
         left = settings.max_time - (working_time() - start)
         bound = None if settings.max_iterations is None else most
-        where = where_light if early else where_redundant
-        found = where(problem, SolverSettings(settings.tol, bound, left), None)
+        found = where_light(problem, SolverSettings(settings.tol, bound, left), None)
         if found is None:
             return 0
         tried.append(True)
@@ -104,11 +94,28 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
             forces[:] = found.forces.ravel()
         return max(found.iterations, 1)
 
-    done, error, far = on_blocks.alternate(problem, settings, forces, infeasible, interior)
+    done, error, far = on_blocks.alternate(problem, settings, forces, light, on_blocks.HALVING)
+    proof = None
+    if error > max(settings.tol, POSSIBLE) and (tried or _run_away(problem, forces)):
+        # where a light interior point fails there may be no answer, and forces that run away look like
+        # progress. Where time is bounded, the look is: else no clock may decide what is found
+        taken = working_time() - start
+        left = settings.max_time - taken
+        proof = find_proof(problem, min(left, max(taken, EARLY_TIME, EARLY * left)))
+    if error <= settings.tol or proof is not None:
+        return Answer(forces.reshape(-1, 3), done, proof=proof)
     guess = None if far > NO_GUESS else forces.reshape(-1, 3)
-    if error <= settings.tol or (looks and looks[0] is not None):
-        return Answer(forces.reshape(-1, 3), done, proof=looks[0] if looks else None)
-    return _run(problem, settings, guess, done, plans.CONES_LARGE[problem.law], start)
+    plan = (plans.CONES_LARGE if problem.factor is None else plans.CONES_BODIES)[problem.law]
+    return _run(problem, settings, guess, done, plan, start)
+
+
+def _run_away(problem: ContactProblem, forces: FloatArray) -> bool:
+    """Tell whether flat forces (3n,) may be on their way to infinity."""
+    weight, speed = problem.scales[:2]
+    # w_k ||λ_k|| is the speed that a contact's own force gives it: far beyond any speed of the problem, it
+    # runs away
+    size = weight * np.linalg.norm(forces.reshape(-1, 3), axis=1)
+    return bool((size > RUNAWAY * speed).any())
 
 
 def later_rounds(problem: ContactProblem, settings: SolverSettings, best: FloatArray) -> Answer | None:
@@ -197,6 +204,13 @@ def look_for_proof(problem: ContactProblem, settings: SolverSettings, best: Floa
     return None if proof is None else Answer(best, 0, Status.INFEASIBLE, proof=proof)
 
 
+def polish_near(problem: ContactProblem, settings: SolverSettings, best: FloatArray) -> Answer | None:
+    """Return forces polished by ADMM under small penalties; None where the best (rows,) are far off."""
+    if worst_of(problem, best) > POSSIBLE:
+        return None
+    return polish(problem, settings, best)
+
+
 def solve_parts(problem: ContactProblem, settings: SolverSettings, best: FloatArray) -> Answer | None:
     """Solve the connected parts one by one, the smallest first; None where there is only one.
 
@@ -246,17 +260,22 @@ def part_of(
     return part, rows
 
 
+Part = Callable[[ContactProblem, SolverSettings, FloatArray | None], Answer | None]
+"""As a solver's function; None where it is none for the problem."""
 LOOKS = {
     PROOF: look_for_proof,
     PARTS: solve_parts,
     INTERIOR: where_redundant,
     plans.FEW_BODIES: where_few_bodies,
+    plans.LIGHTEST: where_lightest,
     plans.LATER: later_rounds,
+    plans.POLISH: polish_near,
 }
 """Stages that look at the problem with the best forces so far: they may end the plan, or have no answer."""
-FUNCTIONS: dict[str, SolverFunction] = {
+FUNCTIONS: dict[str, Part] = {
     ON_BLOCKS: on_blocks.on_blocks,
     plans.ADMM_AND_NEWTON: on_blocks.admm_and_newton,
+    plans.NEWTON_STEPS: on_blocks.newton_steps,
 }
 """Stages that are no solvers of their own."""
 

@@ -32,12 +32,9 @@ import scipy.linalg
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.kernels import working_time
 from surefoot.contact.problem.problem import ContactProblem
-from surefoot.contact.problem.redundancy import LIKELY_FEW, likely_rank
 from surefoot.contact.solution import Status
 from surefoot.contact.solvers.admm import polish
 from surefoot.contact.solvers.central_step import Iterate, fill_residual
-from surefoot.contact.solvers.compiled import COMPILED_CONTACTS
-from surefoot.contact.solvers.newton_step import FEW
 from surefoot.contact.solvers.solver import Answer, SolverSettings, nearest_to_zero, register
 from surefoot.contact.solvers.step_memory import StepMemory, Turning
 from surefoot.contact.solvers.stopping import fill_measure, velocity_error
@@ -70,10 +67,6 @@ KNOWN, HELD = 1e-2, 0.3
 held shift is solved."""
 WORSE = 3
 """Iterations that leave more of a held program's error than its best, after which rounding has taken over."""
-MOST_RANK, MOST_ROWS, REDUNDANT, FEW_BODIES = 450, 1500, 0.75, 0.4
-"""Rank of G, rows where the rank is not known, and the rank's share of the rows, up to which
-`where_redundant` tries: each iteration has a dense factor, and problems of full rank defeat the method.
-Up to the last share, of walls, it comes before further Newton steps, which they defeat."""
 LIGHT = 3e7
 """Rows times the square of the rank up to which a few steps take less time than Newton's first ones do."""
 OWN_SHIFT = np.empty(0)
@@ -88,61 +81,16 @@ def solve_interior(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer:
     """Solve Coulomb's or the convex law; a warm start (n, 3) is returned where nothing better is found."""
-    active = _active(problem)
-    return _solve(problem, settings, warm_start, active, _factor(problem, np.repeat(active, 3)))
+    active = active_contacts(problem)
+    return solve_factored(problem, settings, warm_start, active, factor_of(problem, np.repeat(active, 3)))
 
 
-def where_redundant(
-    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
-) -> Answer | None:
-    """Solve a problem whose contacts are redundant, a warm start (n, 3) as `solve_interior`; else None."""
-    few = problem.contacts <= FEW or problem.contacts > COMPILED_CONTACTS
-    return _where(problem, settings, warm_start, -1.0 if few else FEW_BODIES, REDUNDANT)
-
-
-def where_few_bodies(
-    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
-) -> Answer | None:
-    """Solve a problem whose contacts hold few bodies, a warm start (n, 3) as `solve_interior`; else None."""
-    return _where(problem, settings, warm_start, -1.0, FEW_BODIES)
-
-
-def where_light(
-    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
-) -> Answer | None:
-    """Solve a problem whose steps are light, a warm start (n, 3) as `solve_interior`; else None."""
-    rows = problem.g.size
-    rank = likely_rank(problem)
-    if rank > LIKELY_FEW * rows or rows * rank**2 > LIGHT:
-        return None
-    return _where(problem, settings, warm_start, -1.0, FEW_BODIES)
-
-
-def _where(
-    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None, low: float, high: float
-) -> Answer | None:
-    """Solve where the rank's share of the rows is above low, up to high; else None."""
-    if problem.general or problem.facets is not None or (problem.normal_max < np.inf).any():
-        return None
-    known = None if problem.factor is None else problem.factor.shape[1]
-    if known is not None and known > MOST_RANK:
-        return None
-    active = _active(problem)
-    if known is None and problem.g.size > MOST_ROWS:
-        return None
-    factor = _factor(problem, np.repeat(active, 3))
-    rows, rank = factor.shape
-    if rank > MOST_RANK or not low * rows < rank <= high * rows:
-        return None
-    return _solve(problem, settings, warm_start, active, factor)
-
-
-def _active(problem: ContactProblem) -> BoolArray:
+def active_contacts(problem: ContactProblem) -> BoolArray:
     """Return which contacts (n,) can carry a force and meet a velocity at all."""
     return np.asarray((problem.normal_max > 0.0) & (problem.scales[1] > 0.0))
 
 
-def _solve(
+def solve_factored(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None, active: BoolArray,
     factor: FloatArray,
 ) -> Answer:  # fmt: skip
@@ -382,7 +330,7 @@ def _next_shift(held: list[FloatArray], found: list[FloatArray], speed: FloatArr
     return np.asarray(np.maximum(found[-1] - mix @ np.diff(np.array(found), axis=0), 0.0))
 
 
-def _factor(problem: ContactProblem, rows: BoolArray) -> FloatArray:
+def factor_of(problem: ContactProblem, rows: BoolArray) -> FloatArray:
     """Return Y (rows, r) with G = Y Yᵀ: the problem's own factor, or a pivoted one to rounding."""
     if problem.factor is not None:
         return np.ascontiguousarray(problem.factor[rows].toarray())

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
@@ -19,10 +17,6 @@ from surefoot.contact.solvers.stopping import force_error, velocity_error
 
 SWEEPS_GROW, SWEEPS_MOST = 1.1, 400
 """By how much more sweeps follow each further step, and the most of them."""
-DOUBT_AFTER = 10
-"""Steps after which to ask whether there is a solution at all: forces that run away look like progress."""
-NO_GUESS = 0.1
-"""A force error above which forces are no better a start than none."""
 DENSE_ABOVE = 0.12
 """Share of non-zeros of the reduced matrix above which it is factorised as a dense one."""
 
@@ -155,8 +149,7 @@ class BlockNewton:
         share: float,
         sweeps: int = 0,
         patience: int = PATIENCE,
-        without_guess: int | None = None,
-        infeasible: Callable[[float], bool] | None = None,
+        span: int | None = None,
     ) -> tuple[int, float]:
         """Take steps from flat forces, updated in place and never worse; return their number and the error.
 
@@ -172,20 +165,19 @@ class BlockNewton:
             After the first step; `SWEEPS_GROW` times as many after each further one.
         patience
             Steps that may pass without a force error that falls well.
-        without_guess
-            Steps after which to stop where the force error is still above `NO_GUESS`.
-        infeasible
-            Asked once, after `DOUBT_AFTER` steps, with the velocity error: whether to stop.
+        span
+            Steps in which the velocity error has to halve; None without such a bound.
         """
         current = forces.copy()
         velocities, best, far = self.measure(current)
-        nearest, done, steps, since, count = far, 0, 0, 0, float(sweeps)
+        nearest, done, since, count = far, 0, 0, float(sweeps)
+        mark, idle = best, 0
         while done < limit and best > self.tol and since < patience and working_time() < self.end:
             # the force error steers (the proximal term, patience): velocities of a high
             # stack stay large until its last force is right. The velocity error judges: the
             # forces kept are those with the least of it
             moved = self.step(current, velocities, max(PROXIMAL, min(PROXIMAL_FAR, share * far)))
-            done, steps, since = done + 1, steps + 1, since + 1
+            done, since, idle = done + 1, since + 1, idle + 1
             if moved is None:
                 break
             current = moved
@@ -199,10 +191,8 @@ class BlockNewton:
             if error < best:
                 best = error
                 forces[:] = current
-            # still as far off as no forces at all: another method's start
-            # will be worth more than further steps
-            if steps == without_guess and nearest > NO_GUESS:
-                break
-            if steps == DOUBT_AFTER and infeasible is not None and infeasible(best):
+            if best < 0.5 * mark:
+                mark, idle = best, 0
+            elif idle == span:
                 break
         return done, best

@@ -15,28 +15,29 @@ from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.contact.solvers.admm import run_admm
 from surefoot.contact.solvers.compiled import UNBOUNDED
-from surefoot.contact.solvers.newton import NATURAL_STEPS, on_natural_map
+from surefoot.contact.solvers.newton import NATURAL_STEPS, on_natural_map, solve_newton
 from surefoot.contact.solvers.newton_sparse import BlockNewton
 from surefoot.contact.solvers.scaled import ScaledContacts
 from surefoot.contact.solvers.solver import Answer, SolverSettings, start_forces
 
 CHUNK, STEP_WORTH = 10, 50
 """Sweeps on blocks between two looks at the gap, and how many of them a Newton step is worth."""
-HEAVY = 50_000
-"""Blocks above which a Newton step, with its factorisation on contacts, takes as long as many sweeps."""
-FIRST_TRY = (0.3, 50, 8, 6)
-"""Newton on blocks: the proximal term's share, sweeps after a step, patience, and steps without a guess."""
-EARLY = 300
-"""Steps and sweeps of Newton before a method that comes between: most walls and piles of a hundred contacts
-are solved by then, an order sooner than by the interior point; cups, which only that solves well, pay
-twice."""
+HEAVY, FULL = 50_000, 500
+"""Blocks above which a Newton step, with its factorisation on contacts, takes as long as many sweeps, and
+contacts up to which a full matrix is factorised soon enough however many blocks it has."""
+FIRST_TRY = (0.3, 50, 8)
+"""Newton on blocks: the proximal term's share, sweeps after a step, and patience."""
+NEAR = 5e-3
+"""A velocity error that sweeps have left, up to which a few Newton steps end it sooner than anything else."""
+HALVING = 5
+"""Of many contacts, steps in which the error has to halve: where it does not, other methods are quicker."""
 FINISH = (0.1, 50, 5)
 """Newton from the forces of ADMM: share, sweeps, patience."""
 
 
 def heavy(problem: ContactProblem) -> bool:
     """Tell whether Newton steps on contacts take too long for a problem's many blocks."""
-    return problem.blocks.columns.size > HEAVY
+    return problem.contacts > FULL and problem.blocks.columns.size > HEAVY
 
 
 def on_blocks(problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None) -> Answer:
@@ -67,18 +68,25 @@ def admm_and_newton(
     return run_admm(scaled, settings, warm_start, finish)
 
 
+def newton_steps(
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
+) -> Answer | None:
+    """Take Newton steps, few sweeps between, from a (n, 3) warm start; None where each takes too long."""
+    return None if heavy(problem) else solve_newton(problem, settings, warm_start)
+
+
 def alternate(
     problem: ContactProblem,
     settings: SolverSettings,
     forces: FloatArray,
-    infeasible: Callable[[float], bool] | None = None,
-    between: Callable[[FloatArray, int, bool], int] | None = None,
+    between: Callable[[FloatArray, int], int] | None = None,
+    span: int | None = None,
 ) -> tuple[int, float, float]:
     """Sweep on the blocks of G as long as that will do, then take Newton steps with sweeps between them.
 
-    Flat (3n,) forces are updated in place; `infeasible` is that of `BlockNewton.run`. Another method may come
-    `between` them: it takes the forces, the iterations that are left and whether Newton's steps are still to
-    come, improves the forces if it can, and returns the iterations that it took, zero if it does not try.
+    Flat (3n,) forces are updated in place; `span` is that of `BlockNewton.run`. Another method may come
+    `between` them: it takes the forces and the iterations that are left, improves the forces if it can, and
+    returns the iterations that it took, zero if it does not try; Newton's steps then come to nothing.
     Return sweeps and steps, the velocity error and the force error.
     """
     tol, most = settings.tol, UNBOUNDED if settings.max_iterations is None else settings.max_iterations
@@ -93,14 +101,8 @@ def alternate(
             break
     if heavy(problem):
         return done, error, far
-    for early in (True, False):
-        if between is not None and error > tol and done < most and working_time() < newton.end:
-            used = between(forces, most - done, early)
-            if used == 0 and early:
-                used = newton.run(forces, min(EARLY, most - done), *FIRST_TRY)[0]
-            done += used
-            _, error, far = newton.measure(forces)
     if error > tol and done < most and working_time() < newton.end:
-        used, error = newton.run(forces, most - done, *FIRST_TRY, infeasible=infeasible)
-        done, far = done + used, newton.measure(forces)[2]
+        used = 0 if between is None or error <= NEAR else between(forces, most - done)
+        used = used or newton.run(forces, most - done, *FIRST_TRY, span)[0]
+        done, (_, error, far) = done + used, newton.measure(forces)
     return done, error, far

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 
 PARTS, PROOF = "connected parts apart", "infeasibility proof"
 ON_BLOCKS, ADMM_AND_NEWTON = "sweeps and newton on blocks", "admm and newton"
+NEWTON_STEPS, POLISH = "newton where its steps are light", "admm near an answer"
 INTERIOR = "interior point, redundant contacts"
-FEW_BODIES, LATER = "interior point, few bodies", "later rounds of the compiled call"
+FEW_BODIES, LIGHTEST = "interior point, few bodies", "interior point, lightest steps"
+LATER = "later rounds of the compiled call"
 """What is tried besides solvers; see `auto`."""
 
 
@@ -58,6 +60,8 @@ CONES: dict[str, Plan] = {
 CONES_MORE: dict[str, Plan] = {
     "coulomb": (
         PlanStage(FEW_BODIES),
+        PlanStage(LATER, 40),
+        PlanStage(LIGHTEST),
         PlanStage(LATER),
         PlanStage(PARTS),
         PlanStage(PROOF),
@@ -77,22 +81,21 @@ CONES_MORE: dict[str, Plan] = {
 }
 """After the first round of the compiled call on more contacts: a dense iteration of ADMM costs more than a
 sweep on blocks."""
-CONES_LARGE: dict[str, Plan] = {
+_FIRST = PlanStage(NEWTON_STEPS, 60), PlanStage(PARTS)
+_AFTER = PlanStage(NEWTON_STEPS, 100, warm=True), PlanStage(FEW_BODIES), PlanStage(POLISH, 6000)
+_LAST: dict[str, Plan] = {
     "coulomb": (
-        PlanStage(PARTS),
         PlanStage(ADMM_AND_NEWTON, 6000, warm=True),
         PlanStage(PROOF),
         PlanStage(ADMM_AND_NEWTON, 20_000, warm=True),
         PlanStage(PROOF),
     ),
-    "convex": (
-        PlanStage(PARTS),
-        PlanStage(PROOF),
-        PlanStage(ADMM_AND_NEWTON, 4000, warm=True),
-        PlanStage(PROOF),
-    ),
+    "convex": (PlanStage(PROOF), PlanStage(ADMM_AND_NEWTON, 4000, warm=True), PlanStage(PROOF)),
 }
+CONES_LARGE = {law: (*_FIRST, PlanStage("admm", 1000), *_AFTER, *last) for law, last in _LAST.items()}
 """After sweeps and Newton steps on blocks."""
+CONES_BODIES = {law: (PlanStage("admm", 3000), *_FIRST, *_AFTER, *last) for law, last in _LAST.items()}
+"""The same where the bodies are known: an iteration of ADMM is then as light as a sweep."""
 PYRAMIDS: dict[str, Plan] = {
     "coulomb": (
         PlanStage("admm", 2000, warm=True),
