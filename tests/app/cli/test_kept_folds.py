@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,7 +13,9 @@ import pytest
 
 from benchmarks.problems.tosses import random_tosses
 from surefoot.app.cli import kept_folds
-from surefoot.app.cli.kept_folds import folds_folder, judge_folds
+from surefoot.app.cli.identify_folds import identify_folds
+from surefoot.app.cli.kept_folds import folds_folder, judge_folds, read_folds
+from surefoot.app.cli.signals import INTERRUPTED
 from surefoot.records.identification.cross_validation import cross_validate, gather_folds, judge_fold
 from surefoot.records.identification.toss_errors import TossErrors
 from surefoot.records.identification.toss_fit import BodyNumbers, Estimate
@@ -77,9 +80,34 @@ def test_an_interrupt_leaves_the_laws_that_are_done(
         judge_folds(tosses, LAWS, 4, tmp_path, 1, None)
     done = [f"fold-{k}-of-4-{law}.npz" for k in (1, 2, 3) for law in ("newton", "rigid")]
     assert sorted(path.name for path in tmp_path.iterdir()) == done
+    whole = read_folds(LAWS, 4, tmp_path)
+    assert [fold is None for fold in whole] == [False, False, False, True]
+    told = gather_folds(tosses, whole)["newton"]
+    mine = np.arange(len(tosses)) % 4 != 3
+    np.testing.assert_array_equal(told.errors.position, tosses.states[tosses.starts[:-1], 0][mine])
+    np.testing.assert_array_equal(told.values["mu"], [4.0, 3.0, 3.0])
     fitted.clear()
     judge_folds(tosses, LAWS, 4, tmp_path, 1, None)
     assert fitted == ["rigid", "newton"]
+
+
+def test_an_interrupt_prints_the_folds_that_are_done(
+    tosses: Tosses, fitted: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fitted.append("fails")
+    for as_json in (True, False):
+        code = identify_folds(tosses, LAWS, 4, {}, tmp_path, 1, as_json)
+        assert code == INTERRUPTED
+        printed = capsys.readouterr()
+        assert "the same command goes on from there" in printed.err
+        if as_json:
+            facts = json.loads(printed.out)
+            assert (facts["tosses"], facts["folds"], facts["folds_done"]) == (10, 4, 3)
+            assert set(facts["laws"]) == {"rigid", "newton"}
+        else:
+            assert "10 tosses of 3 folds" in printed.out
+            assert "over 3 of 4 folds" in printed.out
+        fitted[:] = ["fails"] * 7
 
 
 def test_other_tosses_first_laws_and_settings_have_folders_of_their_own(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import surefoot as sf
-from benchmarks.problems.contacts import problem_set
+from benchmarks.problems.heaps import capsules
 from surefoot.contact.solvers.admm_penalty import FLOOR_GROWTH, WANDERING, PenaltyFloor
 
 
@@ -30,6 +30,7 @@ def test_a_floor_stays_while_the_error_falls() -> None:
 
 def test_contacts_under_which_a_small_penalty_wanders_are_solved() -> None:
     """A dense heap of capsules once stayed at 2e-5 for all 20,000 iterations."""
-    heap = [p.problem for p in problem_set("large") if p.family == "capsules-dense-276"][1]
+    stream = np.random.default_rng([0, 1, *b"capsules-dense-276"])
+    heap = capsules(stream, 60, 276, stream.uniform(0.3, 0.7), push=0.01)
     found = sf.solve(heap, "admm", 1e-6, max_iterations=6000)
     assert found.solved

@@ -83,7 +83,7 @@ def test_a_turn_of_a_wall_of_23_bricks_is_passed() -> None:
     given = next(steps(SCENES["wall of 23"], 1)).problem
     problem = ContactProblem(given.G, given.g, given.mu)
     active = np.ones(problem.contacts, dtype=bool)
-    factor = interior_point._factor(problem, np.repeat(active, 3))
+    factor = interior_point.factor_of(problem, np.repeat(active, 3))
     errors = []
     for turns in (0, 60):
         run = interior_point._Run(
@@ -103,7 +103,7 @@ def test_the_path_that_equal_shares_lose_is_followed_with_unequal_ones() -> None
     *_, given = steps(SCENES["wall of 23"], 98)
     problem = ContactProblem(given.problem.G, given.problem.g, given.problem.mu)
     active = np.ones(problem.contacts, dtype=bool)
-    factor = interior_point._factor(problem, np.repeat(active, 3))
+    factor = interior_point.factor_of(problem, np.repeat(active, 3))
     run = interior_point._Run(problem, active, np.zeros((problem.contacts, 3)), 1e-6, 9000, np.inf, factor)
     assert run._go_unequally(run._start(1.0))
     assert run.error <= 1e-6

@@ -98,6 +98,17 @@ def count_kept(models: Sequence[TossModel], folds: int, folder: Path) -> int:
     return sum(FoldFiles(folder, fold, folds).place(m).is_file() for fold in range(folds) for m in models)
 
 
+def read_folds(models: Sequence[TossModel], folds: int, folder: Path) -> list[dict[str, JudgedLaw] | None]:
+    """Return all folds in their order; None for one of which a folder does not hold all laws."""
+    out: list[dict[str, JudgedLaw] | None] = []
+    for fold in range(folds):
+        files = FoldFiles(folder, fold, folds)
+        laws = {model.name: files.read(model) for model in models}
+        whole = {name: law for name, law in laws.items() if law is not None}
+        out.append(whole if len(whole) == len(models) else None)
+    return out
+
+
 def folds_folder(parent: Path, tosses: Tosses, first: TossModel, settings: dict[str, Any]) -> Path:
     """Return where folds of these tosses, settings and first law are kept: a name of its own for each."""
     told = hashlib.sha256()

@@ -25,7 +25,7 @@ class FoldErrors(NamedTuple):
     Attributes
     ----------
     errors
-        (B,) of each toss, see `TossErrors`, in the order of the recording.
+        (B,) of each toss that was judged, see `TossErrors`, in the order of the recording.
     values
         (folds,) of every number that was fitted, by name.
     """
@@ -162,14 +162,21 @@ def judge_fold(
     return out
 
 
-def gather_folds(tosses: Tosses, judged: Sequence[dict[str, JudgedLaw]]) -> dict[str, FoldErrors]:
-    """Return the errors of each law on all tosses, from all folds in their order."""
+def gather_folds(tosses: Tosses, judged: Sequence[dict[str, JudgedLaw] | None]) -> dict[str, FoldErrors]:
+    """Return the errors of each law on the tosses of all folds, given in their order.
+
+    A fold that is not judged is None: its tosses are left out. One at least is judged.
+    """
+    done = [one for one in judged if one is not None]
+    known = np.array([one is not None for one in judged])[np.arange(len(tosses)) % len(judged)]
     out = {}
-    for law, first in judged[0].items():
+    for law, first in done[0].items():
         errors = {kind: np.empty(len(tosses)) for kind in KINDS}
         for fold, one in enumerate(judged):
+            if one is None:
+                continue
             for kind in KINDS:
                 errors[kind][fold :: len(judged)] = getattr(one[law].errors, kind)
-        values = {name: np.array([one[law].values[name] for one in judged]) for name in first.values}
-        out[law] = FoldErrors(TossErrors(**errors), values)
+        values = {name: np.array([one[law].values[name] for one in done]) for name in first.values}
+        out[law] = FoldErrors(TossErrors(**{kind: e[known] for kind, e in errors.items()}), values)
     return out
