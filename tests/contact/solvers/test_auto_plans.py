@@ -18,6 +18,7 @@ from surefoot.base.kernels import working_time
 from surefoot.contact.laws import LAWS
 from surefoot.contact.solvers import auto, on_blocks
 from surefoot.contact.solvers import strategies as plans
+from surefoot.contact.solvers.solver import SolverSettings
 
 TABLES = (plans.CONES, plans.CONES_MORE, plans.CONES_LARGE, plans.CONES_BODIES, plans.PYRAMIDS)
 PLANS = [*(plan for table in TABLES for plan in table.values()), plans.GENERAL]
@@ -155,6 +156,27 @@ def test_contradictions_are_proven_before_the_methods_wear_out(contacts: int) ->
     found = sf.solve(squeezed(contacts))
     assert found.status is sf.Status.INFEASIBLE
     assert found.iterations < 3000  # sweeps and steps: 34,000 where the proof comes last
+
+
+@pytest.mark.parametrize("places", [[0], [1], [0, 2], [0, 1, 3], [3]])
+def test_a_proof_comes_last_of_a_problem_that_is_nearly_solved(
+    places: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[str] = []
+
+    def stage_of(stage: plans.PlanStage, *given: Any) -> None:
+        asked.append(stage.name)
+
+    monkeypatch.setattr(auto, "try_stage", stage_of)
+    plan = tuple(plans.PlanStage(plans.PROOF if k in places else f"method {k}") for k in range(4))
+    problem = sf.ContactProblem(np.eye(3), [0.0, 0.0, -1.0], 0.5)
+    settings = SolverSettings(1e-12, None, np.inf)
+    others = [stage.name for stage in plan if stage.name != plans.PROOF]
+    for force, wanted in ((1.0 - 1e-9, [*others, plans.PROOF]), (0.5, None)):
+        asked.clear()
+        auto._run(problem, settings, np.array([[0.0, 0.0, force]]), 0, plan, working_time())
+        assert asked.count(plans.PROOF) == 1
+        assert wanted is None or asked == wanted
 
 
 def test_only_forces_that_run_away_are_doubted_early(monkeypatch: pytest.MonkeyPatch) -> None:

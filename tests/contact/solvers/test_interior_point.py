@@ -141,3 +141,10 @@ def test_shifts_that_run_away_end_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(interior_point, "IDLE_SHIFTS", 99)
     found = sf.solve(sheet(40, 4), "interior_point", 1e-14)
     assert np.isfinite(found.forces).all()
+
+
+def test_a_matrix_of_zeros_is_left_alone(capfd: pytest.CaptureFixture[str]) -> None:
+    """LAPACK complained on the terminal of a factor without columns."""
+    problem = sf.ContactProblem(np.zeros((6, 6)), [0.1, 0.0, -1.0, 0.0, 0.0, 1.0], 0.5)
+    assert not sf.solve(problem, "interior_point").solved
+    assert capfd.readouterr() == ("", "")

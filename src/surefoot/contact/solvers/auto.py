@@ -56,6 +56,8 @@ NEARLY = 1e-2
 POSSIBLE = 1e-3
 """A velocity error of many contacts below which forces are polished, and no proof of infeasibility is looked
 for before all else has failed."""
+SURELY = 1e-6
+"""The same of few contacts."""
 EARLY_TIME, EARLY = 0.1, 0.1
 """Seconds that an early look for a proof may take at least, and the share of what time is left."""
 NO_GUESS = 0.1
@@ -147,7 +149,8 @@ def _run(
     if forces is not None and (error := worst_of(problem, forces)) <= best_error:
         best, best_error = forces, error
     most, spent, looked = settings.max_iterations, False, False
-    for stage in plan:
+    stages = list(plan)
+    for number, stage in enumerate(stages, 1):
         left = settings.max_time - (working_time() - start)
         if left <= 0.0:
             return Answer(best, done, Status.MAX_TIME)
@@ -155,8 +158,12 @@ def _run(
         if stage.name == PROOF:  # takes no iterations
             # nearly lawful forces mean that a solution probably exists: the proof,
             # slow on many contacts, is kept for last
-            possible = problem.contacts > COMPILED_CONTACTS and best_error <= POSSIBLE
-            if looked or (possible and stage is not plan[-1]):
+            possible = best_error <= (POSSIBLE if problem.contacts > COMPILED_CONTACTS else SURELY)
+            if looked:
+                continue
+            if possible and number < len(stages):
+                if PROOF not in {later.name for later in stages[number:]}:
+                    stages.append(stage)
                 continue
             looked = True
         elif spent:

@@ -98,7 +98,7 @@ def solve_factored(
     end = working_time() + settings.max_time
     forces = nearest_to_zero(problem) if warm_start is None else warm_start.reshape(-1, 3).copy()
     forces[~active] = nearest_to_zero(problem)[~active]
-    if not active.any():
+    if not active.any() or factor.shape[1] == 0:  # a G of zeros
         return Answer(forces, 0, Status.STALLED)
     most = MOST_ALL if settings.max_iterations is None else settings.max_iterations
     run = _Run(problem, active, forces[active], settings.tol, most, end, factor)

@@ -26,9 +26,15 @@ ADMM (others do as well beyond it), and up to which no longer than the compiled 
 def where_redundant(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
-    """Solve a problem whose contacts are redundant, a warm start (n, 3) as `solve_interior`; else None."""
-    few = problem.contacts <= FEW
-    return _where(problem, settings, warm_start, -1.0 if few else FEW_BODIES, REDUNDANT)
+    """Solve a problem whose contacts are redundant, a warm start (n, 3) as `solve_interior`; else None.
+
+    Of more than `FEW` contacts where others of this module do not.
+    """
+    if problem.contacts <= FEW:
+        return _where(problem, settings, warm_start, -1.0, REDUNDANT)
+    if _has_lightest_steps(problem):
+        return None
+    return _where(problem, settings, warm_start, FEW_BODIES, REDUNDANT)
 
 
 def where_few_bodies(
@@ -55,8 +61,14 @@ def where_lightest(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
     """Solve a problem whose steps are lightest, as `where_redundant`; else None."""
-    heavier = problem.g.size * likely_rank(problem) ** 2 > LIGHTEST
-    return None if heavier else where_redundant(problem, settings, warm_start)
+    if not _has_lightest_steps(problem):
+        return None
+    return _where(problem, settings, warm_start, FEW_BODIES, REDUNDANT)
+
+
+def _has_lightest_steps(problem: ContactProblem) -> bool:
+    """Tell whether steps take no longer than the compiled call's later rounds do."""
+    return problem.g.size * likely_rank(problem) ** 2 <= LIGHTEST
 
 
 def _where(
