@@ -60,7 +60,7 @@ def where_light(
 def where_lightest(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
-    """Solve a problem whose steps are lightest, as `where_redundant`; else None."""
+    """Solve a problem whose steps are lightest, a warm start (n, 3) as `solve_interior`; else None."""
     if not _has_lightest_steps(problem):
         return None
     return _where(problem, settings, warm_start, FEW_BODIES, REDUNDANT)
