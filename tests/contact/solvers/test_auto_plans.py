@@ -12,7 +12,7 @@ import pytest
 from numba.core import event
 
 import surefoot as sf
-from benchmarks.problems.contacts import capsules
+from benchmarks.problems.contacts import capsules, wall
 from benchmarks.problems.heaps import rocks
 from surefoot.base.kernels import working_time
 from surefoot.contact.laws import LAWS
@@ -66,6 +66,14 @@ def test_a_bridge_is_left_to_the_lightest_interior_point() -> None:
         found = sf.solve(sf.ContactProblem(problem.G, problem.g, problem.mu), tol=1e-8)
         assert found.solved
         assert found.iterations < 400
+
+
+def test_a_wall_of_mixed_masses_is_left_to_the_interior_point() -> None:
+    """Without it nobody comes below 1e-2 in seconds; its rank is guessed too large from G alone."""
+    drawn = wall(np.random.default_rng([0, 0, *b"wall-mixed-250"]), 6, 6, 0.6, 1e6)
+    found = sf.solve(sf.ContactProblem(drawn.G, drawn.g, drawn.mu), tol=1e-4)
+    assert found.solved
+    assert found.iterations < 3000
 
 
 def test_a_heap_whose_bodies_are_known_is_left_to_admm() -> None:

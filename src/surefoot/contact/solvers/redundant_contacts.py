@@ -18,7 +18,7 @@ MOST_RANK, MOST_ROWS, REDUNDANT, FEW_BODIES = 450, 1500, 0.75, 0.4
 """Rank of G, rows where the rank is not known, and the rank's share of the rows, up to which
 `where_redundant` tries: each iteration has a dense factor, and problems of full rank defeat the method.
 Up to the last share, of walls, it comes early: Newton steps they defeat."""
-LONG, LIGHTEST = 6e7, 1e6
+LONG, LIGHTEST = 1e8, 1e6
 """Rows times the square of the rank up to which all steps take no longer than some thousand iterations of
 ADMM (others do as well beyond it), and up to which no longer than the compiled call's later rounds."""
 
