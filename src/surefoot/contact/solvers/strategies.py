@@ -83,6 +83,8 @@ CONES_MORE: dict[str, Plan] = {
 sweep on blocks."""
 _FIRST = PlanStage(NEWTON_STEPS, 60), PlanStage(PARTS)
 _AFTER = PlanStage(NEWTON_STEPS, 100, warm=True), PlanStage(FEW_BODIES), PlanStage(POLISH, 6000)
+"""What comes before and after the first iterations of ADMM: Newton finds the modes of most, and again those
+that ADMM's forces suggest."""
 _LAST: dict[str, Plan] = {
     "coulomb": (
         PlanStage(ADMM_AND_NEWTON, 6000, warm=True),
@@ -92,6 +94,7 @@ _LAST: dict[str, Plan] = {
     ),
     "convex": (PlanStage(PROOF), PlanStage(ADMM_AND_NEWTON, 4000, warm=True), PlanStage(PROOF)),
 }
+"""What is left for the few that all of it leaves open."""
 CONES_LARGE = {law: (*_FIRST, PlanStage("admm", 1000), *_AFTER, *last) for law, last in _LAST.items()}
 """After sweeps and Newton steps on blocks."""
 CONES_BODIES = {law: (PlanStage("admm", 3000), *_FIRST, *_AFTER, *last) for law, last in _LAST.items()}
