@@ -318,6 +318,7 @@ def run_admm(
         # convergence (Boyd et al. 2011, section 3.4.1)
         if done < ADAPTING * limit:
             rho = next_penalty(rho, used, primal, dual, s.z, s.y, s.largest)
+        # the floor may move later, too, but only where nothing has converged for long
         rho = max(rho, floor.least)
     return Answer(best.reshape(shape), done)
 

@@ -2,11 +2,11 @@
 
 Exact cones, up to 128 contacts: one compiled call that alternates bursts of Gauss-Seidel sweeps with Newton
 steps (`compiled`); of more than 25 it takes one round first (of few bodies a taste of it), and further ones
-after the interior point where the contacts hold few bodies. Larger problems: sweeps on 3x3 blocks, then
-Newton steps by sparse factorisation with sweeps between them while they halve the error (`on_blocks`), of few
-bodies an interior point before them (`interior_point`). What these leave unsolved falls into its connected
-parts, each solved by itself: one that has no solution must not keep the others from theirs. A single part
-goes through the stages of its plan, among them the search for a proof that there is no solution.
+after an interior point where bodies are few or its steps lightest (`redundant_contacts`). Larger problems:
+sweeps on 3x3 blocks, then Newton steps by sparse factorisation with sweeps between them while they halve the
+error (`on_blocks`), of few bodies an interior point before them. What these leave unsolved goes through the
+stages of its plan. Connected parts are solved each by itself there: one that has no solution must not keep
+the others from theirs; and a proof is looked for that there is no solution.
 The forces returned are the best that any stage found; the status is theirs.
 `max_time` is checked between methods and iterations; the one compiled call of a small problem looks at no
 clock and is given as many iterations as should fit. Without `max_time` no clock decides anything.
@@ -78,7 +78,6 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     if problem.contacts <= COMPILED_CONTACTS:
         return _run(problem, settings, warm_start, 0, _small_plan(problem, warm_start), start)
     forces = start_forces(problem, warm_start)
-
     tried: list[bool] = []
 
     def light(forces: FloatArray, most: int) -> int:
@@ -267,7 +266,7 @@ def part_of(
     return part, rows
 
 
-Part = Callable[[ContactProblem, SolverSettings, FloatArray | None], Answer | None]
+StageFunction = Callable[[ContactProblem, SolverSettings, FloatArray | None], Answer | None]
 """As a solver's function; None where it is none for the problem."""
 LOOKS = {
     PROOF: look_for_proof,
@@ -279,7 +278,7 @@ LOOKS = {
     plans.POLISH: polish_near,
 }
 """Stages that look at the problem with the best forces so far: they may end the plan, or have no answer."""
-FUNCTIONS: dict[str, Part] = {
+FUNCTIONS: dict[str, StageFunction] = {
     ON_BLOCKS: on_blocks.on_blocks,
     plans.ADMM_AND_NEWTON: on_blocks.admm_and_newton,
     plans.NEWTON_STEPS: on_blocks.newton_steps,

@@ -86,7 +86,7 @@ def alternate(
 
     Flat (3n,) forces are updated in place; `span` is that of `BlockNewton.run`. Another method may come
     `between` them: it takes the forces and the iterations that are left, improves the forces if it can, and
-    returns the iterations that it took, zero if it does not try; Newton's steps then come to nothing.
+    returns the iterations that it took, after which no Newton steps are taken; zero if it does not try.
     Return sweeps and steps, the velocity error and the force error.
     """
     tol, most = settings.tol, UNBOUNDED if settings.max_iterations is None else settings.max_iterations

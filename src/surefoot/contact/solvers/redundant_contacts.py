@@ -32,7 +32,7 @@ def where_redundant(
     """
     if problem.contacts <= FEW:
         return _where(problem, settings, warm_start, -1.0, REDUNDANT)
-    if _has_lightest_steps(problem):
+    if _likely_work(problem) <= LIGHTEST:
         return None
     return _where(problem, settings, warm_start, FEW_BODIES, REDUNDANT)
 
@@ -41,7 +41,7 @@ def where_few_bodies(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
     """Solve a problem whose contacts hold few bodies, a warm start (n, 3) as `solve_interior`; else None."""
-    if problem.g.size * likely_rank(problem) ** 2 > LONG:
+    if _likely_work(problem) > LONG:
         return None
     return _where(problem, settings, warm_start, -1.0, FEW_BODIES)
 
@@ -50,8 +50,7 @@ def where_light(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
     """Solve a problem whose steps are light, a warm start (n, 3) as `solve_interior`; else None."""
-    rows = problem.g.size
-    rank = likely_rank(problem)
+    rows, rank = problem.g.size, likely_rank(problem)
     if rank > LIKELY_FEW * rows or rows * rank**2 > LIGHT:
         return None
     return _where(problem, settings, warm_start, -1.0, FEW_BODIES)
@@ -61,14 +60,14 @@ def where_lightest(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
     """Solve a problem whose steps are lightest, a warm start (n, 3) as `solve_interior`; else None."""
-    if not _has_lightest_steps(problem):
+    if _likely_work(problem) > LIGHTEST:
         return None
     return _where(problem, settings, warm_start, FEW_BODIES, REDUNDANT)
 
 
-def _has_lightest_steps(problem: ContactProblem) -> bool:
-    """Tell whether steps take no longer than the compiled call's later rounds do."""
-    return problem.g.size * likely_rank(problem) ** 2 <= LIGHTEST
+def _likely_work(problem: ContactProblem) -> float:
+    """Return rows times the square of the rank, as far as `likely_rank` knows: what a step's matrix takes."""
+    return float(problem.g.size * likely_rank(problem) ** 2)
 
 
 def _where(
