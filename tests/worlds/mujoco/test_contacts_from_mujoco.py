@@ -78,6 +78,52 @@ def test_g_is_how_the_contact_points_move_and_G_what_impulses_change() -> None:
     assert contacts.jacobian @ change == pytest.approx(contacts.problem.G @ push.ravel(), abs=1e-9)
 
 
+def crates(rows: int) -> tuple[Any, Any]:
+    """Return crates on a floor, four contacts each, every third with an arm on a damped joint."""
+    crate = (
+        '<body pos="{} {} 0.0999"><freejoint/>'
+        '<geom type="box" size=".1 .1 .1" mass="{}" friction="0.5"/>{}</body>'
+    )
+    arm = (
+        '<body pos="0 0 .1"><joint axis="1 1 0" damping="0.7"/>'
+        '<geom size=".05" pos="0 0 .1" mass="1"/></body>'
+    )
+    bodies = "".join(
+        crate.format(0.3 * k, 0.3 * j, 1 + k + j, arm if (k + j) % 3 == 0 else "")
+        for k in range(rows)
+        for j in range(rows)
+    )
+    floor = '<geom type="plane" size="5 5 1" friction="0.5"/>'
+    model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{floor}{bodies}</worldbody></mujoco>")
+    return model, mujoco.MjData(model)
+
+
+@pytest.mark.parametrize("rows", [3, 7])
+def test_few_and_many_contacts_agree_with_mujocos_own_matrices(rows: int) -> None:
+    """Of many the matrices are sparse and the bodies known; MuJoCo's dense inertia tells the same."""
+    model, data = crates(rows)
+    data.qvel[:] = 0.1 * np.random.default_rng(3).normal(size=model.nv)
+    mujoco.mj_forward(model, data)
+    contacts = sf.contacts_from_mujoco(model, data)
+    problem = contacts.problem
+    assert problem.contacts == 4 * rows**2
+    assert (problem.factor is not None) == (problem.contacts > 128)
+    mass = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, mass)
+    mass += model.opt.timestep * np.diag(model.dof_damping)
+    J = contacts.jacobian
+    assert contacts.response == pytest.approx(np.linalg.solve(mass, J.T), abs=1e-10)
+    assert pytest.approx(J @ np.linalg.solve(mass, J.T), abs=1e-9) == problem.G
+    push = np.random.default_rng(4).normal(size=(problem.contacts, 3))
+    assert contacts.velocity(push) == pytest.approx(contacts.free + contacts.response @ push.ravel())
+    found = sf.solve(problem, tol=1e-8)
+    assert found.solved
+    if problem.factor is not None:
+        assert (problem.factor @ problem.factor.T).toarray() == pytest.approx(problem.G, abs=1e-12)
+        alone = sf.solve(sf.ContactProblem(problem.G, problem.g, problem.mu), tol=1e-8)
+        assert contacts.velocity(found.forces) == pytest.approx(contacts.velocity(alone.forces), abs=1e-6)
+
+
 def test_an_open_contact_may_use_its_gap_and_a_deep_one_is_pushed_out() -> None:
     model, data = model_of()
     for height, rate in ((0.1005, 0.0005 / H), (0.0995, -0.1 * 0.0005 / H)):

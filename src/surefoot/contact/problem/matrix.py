@@ -126,6 +126,13 @@ def checked_sparse(G: Any, size: int, compliance: FloatArray | None) -> Any:
     return matrix.tocsr()
 
 
+def read_factor(Y: Any) -> Any:
+    """Return a factor Y (m, nv) of G = Y Yᵀ in CSR without columns of bodies that no contact moves."""
+    rows = sp.csr_matrix(Y, dtype=np.float64)
+    used = np.unique(rows.indices)
+    return rows if len(used) == rows.shape[1] else rows[:, used]
+
+
 def spectral_norm(G: Any) -> float:
     """Return ||G||₂ of a symmetric matrix (m, m), dense or sparse: largest |eigenvalue|, to about 1e-9."""
     import scipy.linalg

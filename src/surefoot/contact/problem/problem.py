@@ -24,7 +24,13 @@ from surefoot.base.errors import ProblemError, count_of
 from surefoot.contact.cones import FrictionPyramid
 from surefoot.contact.laws import COULOMB, LAWS, Law, law_of
 from surefoot.contact.problem.blocks import Blocks, dense_blocks, vectors_fit
-from surefoot.contact.problem.matrix import checked_sparse, read_compliance, read_dense, spectral_norm
+from surefoot.contact.problem.matrix import (
+    checked_sparse,
+    read_compliance,
+    read_dense,
+    read_factor,
+    spectral_norm,
+)
 from surefoot.contact.problem.scales import scales_blocks, scales_dense
 from surefoot.contact.problem.set_scales import set_scales
 from surefoot.contact.sets.contact import MOST_FRICTION, ContactKind
@@ -98,11 +104,9 @@ class ContactProblem(Drawn):
         What was changed when the problem was read from a file, in words; empty otherwise.
     reference
         (n, 3) forces of somebody else's solution that came with a file, or None.
-    factor
-        Sparse (3n, nv) Y with G = Y Yᵀ, see `of_factor`, or None.
     prepared
-        What solvers keep with a problem, by their own names: views of its arrays, never copies of them, since
-        those may be changed in place. No part of the problem.
+        What solvers keep with a problem, by their own names: views of its arrays, which may be changed in
+        place, never copies. No part of the problem.
 
     Raises
     ------
@@ -140,7 +144,7 @@ class ContactProblem(Drawn):
         self._own_g: FloatArray | None = None
         self._sparse: Any = None
         self._dense: FloatArray | None = None
-        self.factor: Any = None
+        self._factor: Any = None
         if contacts is not None:
             own = mu is None and facets is None and bilateral is None and fit == "inner"
             if not (own and np.all(normal_min == 0.0) and np.all(normal_max == np.inf)):
@@ -181,10 +185,19 @@ class ContactProblem(Drawn):
         >>> problem.G[2, 2], problem.factor.shape
         (np.float64(4.0), (3, 3))
         """
-        Y = sp.csr_matrix(factor, dtype=np.float64)
+        Y = read_factor(factor)
         problem = cls(Y @ Y.T, g, mu, law=law)
-        problem.factor = Y
+        problem._factor = Y
         return problem
+
+    @property
+    def factor(self) -> Any:
+        """Y with G = Y Yᵀ, or None; a new one, dense or sparse, is kept without its empty columns."""
+        return self._factor
+
+    @factor.setter
+    def factor(self, Y: Any) -> None:
+        self._factor = None if Y is None else read_factor(Y)
 
     @property
     def operator(self) -> Any:
@@ -340,7 +353,7 @@ class ContactProblem(Drawn):
         problem = ContactProblem(**(arguments | changes))
         problem.notes, problem.reference = self.notes, self.reference
         if not changes.keys() & {"G", "compliance"}:
-            problem.factor = self.factor
+            problem._factor = self._factor
         return problem
 
     @property

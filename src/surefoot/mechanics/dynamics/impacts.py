@@ -14,7 +14,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.numerics.vectors import largest
 from surefoot.base.spatial import GRAVITY
-from surefoot.contact import ContactProblem, ContactSolution, solve
+from surefoot.contact import COMPILED_CONTACTS, ContactProblem, ContactSolution, solve
 from surefoot.mechanics.dynamics import arithmetic
 from surefoot.mechanics.dynamics.arithmetic import FASTEST
 from surefoot.mechanics.dynamics.detection import Contacts, Surfaces
@@ -130,7 +130,7 @@ class Meeting(NamedTuple):
             rows, G, g = self.matrices(near)
             if swerve is not None:
                 g += swerve[near].ravel()
-            solution = self._solution(G, g, near, warm[near])
+            solution = self._solution(G, g, rows, near, warm[near])
             impulses[near] = solution.forces
         return self._outcome(near, rows, impulses, swerve, solution)
 
@@ -144,10 +144,14 @@ class Meeting(NamedTuple):
         given = self.L, self.before, self.free, gaps, near, self.horizon, options.pull
         return self.contacts.assemble(*given, e, options.rest_speed)
 
-    def _solution(self, G: Any, g: FloatArray, near: IntArray, warm: FloatArray) -> ContactSolution:
-        """Return the counted solution of a contact problem of the near contacts."""
+    def _solution(
+        self, G: Any, g: FloatArray, rows: Any, near: IntArray, warm: FloatArray
+    ) -> ContactSolution:
+        """Return the counted solution of a contact problem of the near contacts, G the rows' square."""
         options, mu = self.options, self.mu if self.surfaces is None else self.surfaces.friction[near]
         problem = finite_problem(G, g, mu, options.problem_law)
+        if near.size > COMPILED_CONTACTS:
+            problem.factor = rows
         solution = solve(problem, options.solver, options.solver_tol, warm_start=warm)
         self.tally.add(solution)
         return solution
