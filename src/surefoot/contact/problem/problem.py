@@ -82,8 +82,7 @@ class ContactProblem(Drawn):
     facets, fit
         Replace the cones by pyramids of so many sides, "inner" or "outer"; None keeps the exact cones.
     compliance
-        R, what is added to the diagonal of G [1/kg]: a number, (n,) or (3n,), >= 0. The attribute `G` has it
-        in it.
+        R, added to the diagonal of G [1/kg]: a number, (n,) or (3n,), >= 0; the attribute `G` has it in it.
     bilateral
         (n,) mask of contacts that hold in all three directions (u = 0, any force); their mu is not used,
         and their normal bounds must be the defaults (the attributes then say -inf and inf).
