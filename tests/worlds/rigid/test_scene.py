@@ -245,3 +245,30 @@ def test_a_row_that_touches_passes_a_push_on_between_many():
         pose, other = few.pose(f"s{k}"), many_bodies.pose(f"s{k}")
         np.testing.assert_allclose(pose.position, other.position, atol=1e-9)
         np.testing.assert_allclose(pose.rotation, other.rotation, atol=1e-9)
+
+
+def test_bodies_with_many_contacts_are_told_to_the_solver_and_carry_their_weights(monkeypatch):
+    """Of 36 stacks of two the velocities are fewer than the contacts' rows; single stacks need none of it."""
+    asked = []
+
+    def solve(problem, *args, **options):
+        asked.append(problem)
+        return sf.solve(problem, *args, **options)
+
+    monkeypatch.setattr("surefoot.mechanics.dynamics.impacts.solve", solve)
+    cube = Box((0.1, 0.1, 0.1))
+    bodies = [
+        Body(f"{i}-{j}-{k}", cube, 1.0 + k, (0.2 * i, 0.2 * j, 0.05 + 0.1 * k))
+        for i in range(6)
+        for j in range(6)
+        for k in range(2)
+    ]
+    world = SceneWorld(Scene(bodies))
+    advance(world, 3)
+    many, alone = asked[-1], SceneWorld(Scene(bodies[:2]))
+    assert many.contacts == 288
+    assert (many.factor @ many.factor.T).toarray() == pytest.approx(many.G, abs=1e-12)
+    ground = sum(touch.force[2] for touch in world.touches() if touch.other == "ground")
+    assert ground == pytest.approx(36 * 3.0 * GRAVITY, rel=1e-6)
+    advance(alone, 3)
+    assert asked[-1].factor is None
