@@ -24,6 +24,7 @@ from surefoot.base.errors import MissingExtra, SolverNotFound
 from surefoot.base.kernels import working_time
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.problem.proof import check_proof, connected_parts
+from surefoot.contact.problem.redundancy import few_bodies
 from surefoot.contact.problem.residuals import certificate
 from surefoot.contact.sets import ContactSet
 from surefoot.contact.solution import Status
@@ -106,8 +107,13 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     if error <= settings.tol or proof is not None:
         return Answer(forces.reshape(-1, 3), done, proof=proof)
     guess = None if far > NO_GUESS else forces.reshape(-1, 3)
-    plan = (plans.CONES_LARGE if problem.factor is None else plans.CONES_BODIES)[problem.law]
-    return _run(problem, settings, guess, done, plan, start)
+    return _run(problem, settings, guess, done, _large_plan(problem), start)
+
+
+def _large_plan(problem: ContactProblem) -> Plan:
+    """Return the plan of many contacts: ADMM first where bodies are known and few, or Newton steps heavy."""
+    lighter = problem.factor is not None and (few_bodies(problem) or problem.contacts > on_blocks.FULL)
+    return (plans.CONES_BODIES if lighter else plans.CONES_LARGE)[problem.law]
 
 
 def _run_away(problem: ContactProblem, forces: FloatArray) -> bool:

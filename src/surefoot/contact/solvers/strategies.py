@@ -98,7 +98,8 @@ _LAST: dict[str, Plan] = {
 CONES_LARGE = {law: (*_FIRST, PlanStage("admm", 1000), *_AFTER, *last) for law, last in _LAST.items()}
 """After sweeps and Newton steps on blocks."""
 CONES_BODIES = {law: (PlanStage("admm", 3000), *_FIRST, *_AFTER, *last) for law, last in _LAST.items()}
-"""The same where the bodies are known: an iteration of ADMM is then as light as a sweep."""
+"""The same where the bodies are known and few, or contacts over 500: an iteration of ADMM is then as light as
+a sweep, and Newton steps are heavy."""
 PYRAMIDS: dict[str, Plan] = {
     "coulomb": (
         PlanStage("admm", 2000, warm=True),
