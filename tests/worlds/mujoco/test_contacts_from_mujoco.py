@@ -124,6 +124,27 @@ def test_few_and_many_contacts_agree_with_mujocos_own_matrices(rows: int) -> Non
         assert contacts.velocity(found.forces) == pytest.approx(contacts.velocity(alone.forces), abs=1e-6)
 
 
+@pytest.mark.parametrize("machines", [2, 140])
+def test_a_contact_of_two_links_of_one_machine_moves_by_their_difference(machines: int) -> None:
+    body = (
+        '<body pos="{} 0 1"><freejoint/><geom size=".05" mass="1"/><body pos="0 0 .1"><joint axis="1 0 0"/>'
+        '<geom size=".03" mass=".5"/><body pos=".02 0 .02"><joint axis="0 1 0"/>'
+        '<geom size=".03" pos="0 0 -.06" mass=".4"/></body></body></body>'
+    )
+    bodies = "".join(body.format(0.5 * k) for k in range(machines))
+    model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{bodies}</worldbody></mujoco>")
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    contacts = sf.contacts_from_mujoco(model, data)
+    assert contacts.problem.contacts == machines
+    one, other = np.zeros((2, 3, model.nv))
+    for k, geoms in enumerate(contacts.geoms):
+        for jacobian, geom in zip((one, other), geoms, strict=True):
+            mujoco.mj_jac(model, data, jacobian, None, contacts.positions[k], int(model.geom_bodyid[geom]))
+        wanted = contacts.frames[k].T @ (other - one)
+        assert contacts.jacobian[3 * k : 3 * k + 3] == pytest.approx(wanted, abs=1e-12)
+
+
 def test_an_open_contact_may_use_its_gap_and_a_deep_one_is_pushed_out() -> None:
     model, data = model_of()
     for height, rate in ((0.1005, 0.0005 / H), (0.0995, -0.1 * 0.0005 / H)):

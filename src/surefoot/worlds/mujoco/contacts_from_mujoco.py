@@ -183,7 +183,7 @@ class _Moves:
     def rows(self, contacts: int, sparse: bool) -> Any:
         """Return the (3n, nv) matrix of all contacts."""
         shape = 3 * contacts, self._all.shape[1]
-        if not sparse:
+        if not sparse:  # sparse matrices of a few contacts take twice as long to make
             out = np.zeros(shape)
             for at, first, block in self._blocks:
                 out[at : at + 3, first : first + block.shape[1]] += block
