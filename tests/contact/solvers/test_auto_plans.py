@@ -83,7 +83,12 @@ def test_known_bodies_have_admm_first_where_they_are_few_or_contacts_many(
     """In a pit of balls 3,000 of its iterations came before the few Newton steps that were needed."""
     Y = np.kron(np.eye(balls), np.tile(np.eye(3), (each, 1)))
     problem = sf.ContactProblem.of_factor(Y, np.zeros(3 * balls * each), 0.5)
-    assert auto._large_plan(problem)[0].name.startswith(first)
+    plan = auto._large_plan(problem, tried=False)
+    assert plan[0].name.startswith(first)
+    # what was tried between sweeps is not tried again, but a long path is
+    left = [stage.name for stage in auto._large_plan(problem, tried=True)]
+    assert {plans.KNOWN_BODIES, plans.FEW_BODIES} == {s.name for s in plan} - set(left)
+    assert plans.LONG_PATH in left
 
 
 def test_a_heap_whose_bodies_are_known_is_left_to_admm() -> None:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import scipy.linalg
 
 from surefoot.contact.solvers.central_step import Iterate, Scaling, central_step, fill_residual
-from surefoot.contact.solvers.cone_pairs import centrality, scale_pairs, weigh_rows
+from surefoot.contact.solvers.cone_pairs import centrality, scale_pairs
+from surefoot.contact.solvers.reduced_system import ReducedSystem, find_structure
 
 NOTHING = np.empty(0)
 
@@ -38,15 +38,13 @@ def test_a_step_leaves_its_share_of_the_residual(share: float, r: int) -> None:
     point = Iterate(x, border_x, y, border_y)
     scaling = Scaling(np.empty((n, 4)), np.empty((n, 3)), np.empty((n, 3, 3)))
     gap = scale_pairs(*point, share, *scaling)
-    weighed, residual, rest = np.empty_like(rows), np.empty((n, 3)), np.empty((n, 3))
+    residual, rest = np.empty((n, 3)), np.empty((n, 3))
     assert left(x, y, residual) == np.abs(residual).max()
-    weigh_rows(scaling.weights, rows, weighed)
-    lu, pivots, _ = scipy.linalg.lapack.dgetrf(np.eye(r) + rows.T @ weighed)
+    system = ReducedSystem(rows, np.ones((n, 3)), find_structure(rows))
+    factors = system.factorise(scaling.weights)
+    assert factors is not None
     after = Iterate(np.empty_like(x), np.empty(n), np.empty_like(y), np.empty(n))
-    length = central_step(
-        np.ascontiguousarray(lu.T), pivots, rows, np.ascontiguousarray(rows.T), point, residual, scaling,
-        gap, share, 0.3, after,
-    )  # fmt: skip
+    length = central_step(factors, system.rows, point, residual, scaling, gap, share, 0.3, after)
     assert 0.0 < length <= 1.0
     assert (after[1] > 0.0).all()
     assert (after[3] > 0.0).all()

@@ -36,8 +36,10 @@ from surefoot.contact.solvers.infeasibility import find_proof
 from surefoot.contact.solvers.newton_step import FEW
 from surefoot.contact.solvers.redundant_contacts import (
     where_few_bodies,
+    where_known,
     where_light,
     where_lightest,
+    where_long,
     where_redundant,
 )
 from surefoot.contact.solvers.solver import (
@@ -107,13 +109,18 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     if error <= settings.tol or proof is not None:
         return Answer(forces.reshape(-1, 3), done, proof=proof)
     guess = None if far > NO_GUESS else forces.reshape(-1, 3)
-    return _run(problem, settings, guess, done, _large_plan(problem), start)
+    return _run(problem, settings, guess, done, _large_plan(problem, bool(tried)), start)
 
 
-def _large_plan(problem: ContactProblem) -> Plan:
-    """Return the plan of many contacts: ADMM first where bodies are known and few, or Newton steps heavy."""
+def _large_plan(problem: ContactProblem, tried: bool) -> Plan:
+    """Return the plan of many contacts: ADMM first where bodies are known and few, or Newton steps heavy.
+
+    Without interior points but the last where one was tried.
+    """
     lighter = problem.factor is not None and (few_bodies(problem) or problem.contacts > on_blocks.FULL)
-    return (plans.CONES_BODIES if lighter else plans.CONES_LARGE)[problem.law]
+    plan = (plans.CONES_BODIES if lighter else plans.CONES_LARGE)[problem.law]
+    again = (plans.KNOWN_BODIES, plans.FEW_BODIES)
+    return tuple(stage for stage in plan if not (tried and stage.name in again))
 
 
 def _run_away(problem: ContactProblem, forces: FloatArray) -> bool:
@@ -279,6 +286,8 @@ LOOKS = {
     PARTS: solve_parts,
     INTERIOR: where_redundant,
     plans.FEW_BODIES: where_few_bodies,
+    plans.KNOWN_BODIES: where_known,
+    plans.LONG_PATH: where_long,
     plans.LIGHTEST: where_lightest,
     plans.LATER: later_rounds,
     plans.POLISH: polish_near,

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.base.arrays import FloatArray
 from surefoot.base.kernels import inline_kernel, kernel
 from surefoot.contact.solvers.cone_pairs import (
     aim_pairs,
@@ -22,6 +22,7 @@ from surefoot.contact.solvers.cone_pairs import (
     longest_step,
     move_points,
 )
+from surefoot.contact.solvers.reduced_system import Factors, Rows, apply_rows, gather_rows, solve_factors
 
 TO_BORDER = 0.99
 """Share of the way to the border that a step takes."""
@@ -34,65 +35,31 @@ SHORTER, SHORTEST = 0.8, 1e-10
 
 
 @inline_kernel
-def _solve_factors(columns: FloatArray, pivots: IntArray, right: FloatArray) -> None:
-    """Solve in place with LAPACK's factors, of which row k here is column k."""
-    r = right.size
-    for k in range(r):
-        other = pivots[k]
-        right[k], right[other] = right[other], right[k]
-    for k in range(r):
-        x = right[k]
-        for i in range(k + 1, r):
-            right[i] -= columns[k, i] * x
-    for k in range(r - 1, -1, -1):
-        x = right[k] / columns[k, k]
-        right[k] = x
-        for i in range(k):
-            right[i] -= columns[k, i] * x
-
-
-@inline_kernel
-def _gather(rows: FloatArray, forces: FloatArray, out: FloatArray) -> None:
-    """Fill out (r,) with the transposed rows (3n, r) times forces (n, 3)."""
-    out[:] = 0.0
-    for k in range(len(forces)):
-        for a in range(3):
-            x = forces[k, a]
-            for j in range(out.size):
-                out[j] += rows[3 * k + a, j] * x
-
-
-@inline_kernel
 def fill_direction(
-    factors: FloatArray, pivots: IntArray, rows: FloatArray, across: FloatArray, weights: FloatArray,
-    axes: FloatArray, y: FloatArray, share: float, aim: FloatArray, residual: FloatArray, moved: FloatArray,
-    dx: FloatArray, dy: FloatArray,
+    factors: Factors, rows: Rows, weights: FloatArray, axes: FloatArray, y: FloatArray, share: float,
+    aim: FloatArray, residual: FloatArray, moved: FloatArray, dx: FloatArray, dy: FloatArray,
 ) -> None:  # fmt: skip
     """Fill the steps dx, dy (n, 3) with dx + P dy = aim and S dy = Y Yᵀ dx - residual."""
-    n, r = len(aim), across.shape[0]
+    n, r = len(aim), rows.size
     v, change, flat = np.empty(r), np.empty(r), np.empty(3 * n)
     for k in range(n):
         for a in range(3):
             dx[k, a] = aim[k, a]
             for b in range(3):
                 dx[k, a] += weights[k, a, b] * residual[k, b]
-    _gather(rows, dx, v)
-    _solve_factors(factors, pivots, v)
+    gather_rows(rows, dx, v)
+    solve_factors(factors, v)
     for turn in range(REFINEMENTS + 1):
-        flat[:] = 0.0
-        for j in range(r):  # the rows times v, column by column: sums of products would go one by one
-            x = v[j]
-            for i in range(3 * n):
-                flat[i] += across[j, i] * x
+        apply_rows(rows, v, flat)
         for k in range(n):
             for a in range(3):
                 moved[k, a] = flat[3 * k + a] - residual[k, a]
         finish_direction(axes, y, share, aim, moved, dx, dy)
         if turn < REFINEMENTS:
-            _gather(rows, dx, change)
+            gather_rows(rows, dx, change)
             for j in range(r):
                 change[j] -= v[j]
-            _solve_factors(factors, pivots, change)
+            solve_factors(factors, change)
             for j in range(r):
                 v[j] += change[j]
 
@@ -124,17 +91,15 @@ class Scaling(NamedTuple):
 
 @kernel
 def central_step(
-    factors: FloatArray, pivots: IntArray, rows: FloatArray, across: FloatArray, point: Iterate,
-    residual: FloatArray, scaling: Scaling, gap: float, share: float, least: float, after: Iterate,
+    factors: Factors, rows: Rows, point: Iterate, residual: FloatArray, scaling: Scaling, gap: float,
+    share: float, least: float, after: Iterate,
 ) -> float:  # fmt: skip
     """Fill the point after a step; return its length, zero where there is none.
 
     Parameters
     ----------
-    factors, pivots
-        Of I + Yᵀ P S⁻¹ Y, as LAPACK's `dgetrf` leaves them, transposed.
-    rows, across
-        Y (3n, r), scaled, and transposed.
+    factors, rows
+        Of I + Yᵀ P S⁻¹ Y, and the scaled rows of Y: see `ReducedSystem`.
     point, after
         Where the step begins, and memory for where it ends.
     residual
@@ -152,7 +117,7 @@ def central_step(
     space = np.zeros((4, n, 3))
     aim, moved, dx, dy = space[0], space[1], space[2], space[3]
     aim_pairs(axes, scaled, dx, dy, 0.0, 0.0, aim)
-    fill_direction(factors, pivots, rows, across, weights, axes, y, share, aim, residual, moved, dx, dy)
+    fill_direction(factors, rows, weights, axes, y, share, aim, residual, moved, dx, dy)
     length = min(1.0, longest_inside(x, border_x, y, border_y, dx, dy))
     if not length >= 0.0:
         return 0.0
@@ -163,7 +128,7 @@ def central_step(
     # Mehrotra's rule: centre little where the predictor got far
     centre = max(min(max(left / n / gap, 0.0), 1.0) ** 3, least)
     aim_pairs(axes, scaled, dx, dy, centre * gap, length * length, aim)
-    fill_direction(factors, pivots, rows, across, weights, axes, y, share, aim, residual, moved, dx, dy)
+    fill_direction(factors, rows, weights, axes, y, share, aim, residual, moved, dx, dy)
     length = min(1.0, TO_BORDER * longest_inside(x, border_x, y, border_y, dx, dy))
     while length > SHORTEST:
         inside = move_points(x, border_x, dx, length, after.x, after.border_x)

@@ -25,6 +25,8 @@ border, so a warm start is only what it is compared with.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -35,14 +37,21 @@ from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.contact.solvers.admm import polish
 from surefoot.contact.solvers.central_step import Iterate, fill_residual
-from surefoot.contact.solvers.solver import Answer, SolverSettings, nearest_to_zero, register
-from surefoot.contact.solvers.step_memory import StepMemory, Turning
+from surefoot.contact.solvers.on_blocks import admm_and_newton
+from surefoot.contact.solvers.reduced_system import ReducedSystem, Structure, find_structure
+from surefoot.contact.solvers.solver import (
+    Answer,
+    SolverSettings,
+    nearest_to_zero,
+    register,
+)
+from surefoot.contact.solvers.step_memory import LEAST_REACH, StepMemory, Turning
 from surefoot.contact.solvers.stopping import fill_measure, velocity_error
 
 MOST, MOST_HELD, MOST_SHIFTS = 60, 40, 12
 """Iterations with the shift linearised besides those along turns, with one held shift, and shifts that are
 held one after the other."""
-MOST_ALL = 10_000
+MOST_ALL = 60_000
 """All iterations together, those of a polish, which are light, among them."""
 STARTS = (1.0, 3.0, 10.0, 0.3)
 """First normal forces, over what stops each contact's speed: where one leads nowhere, the next is tried."""
@@ -60,6 +69,9 @@ TURN, TURN_FROM, MOST_TURNING, PASSED = 0.3, 1e-2, 40, -0.15
 its length then, steps that this may take, and the change of the log gap after which the turn is passed."""
 MOST_UNEQUAL = 700
 """Steps along turns of a path whose contacts have unequal shares of the gap."""
+LONG_WORK, MOST_FINISH, FINISH_FROM = 5e10, 12_000, 1e3
+"""Multiplications of all matrices of a long path, iterations of ADMM from its end, and the velocity error,
+over the tolerance, at which they are first worth it."""
 BEFORE = 1e-5
 """Share of the first gap from which a program with a held shift begins."""
 KNOWN, HELD = 1e-2, 0.3
@@ -67,7 +79,7 @@ KNOWN, HELD = 1e-2, 0.3
 held shift is solved."""
 WORSE = 3
 """Iterations that leave more of a held program's error than its best, after which rounding has taken over."""
-LIGHT = 3e7
+LIGHT = 5e7
 """Rows times the square of the rank up to which a few steps take less time than Newton's first ones do."""
 OWN_SHIFT = np.empty(0)
 """In place of a shift: that of the point itself."""
@@ -82,7 +94,8 @@ def solve_interior(
 ) -> Answer:
     """Solve Coulomb's or the convex law; a warm start (n, 3) is returned where nothing better is found."""
     active = active_contacts(problem)
-    return solve_factored(problem, settings, warm_start, active, factor_of(problem, np.repeat(active, 3)))
+    factor = factor_of(problem, np.repeat(active, 3))
+    return solve_factored(problem, settings, warm_start, active, factor, find_structure(factor), None)
 
 
 def active_contacts(problem: ContactProblem) -> BoolArray:
@@ -92,18 +105,26 @@ def active_contacts(problem: ContactProblem) -> BoolArray:
 
 def solve_factored(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None, active: BoolArray,
-    factor: FloatArray,
+    factor: Any, structure: Structure, long: bool | None = False,
 ) -> Answer:  # fmt: skip
-    """Solve with the factor (rows, r) of the active contacts' G."""
+    """Solve with the factor (rows, r) of the active contacts' G: by all but a long path, or by it alone.
+
+    None for one after the other.
+    """
     end = working_time() + settings.max_time
     forces = nearest_to_zero(problem) if warm_start is None else warm_start.reshape(-1, 3).copy()
     forces[~active] = nearest_to_zero(problem)[~active]
     if not active.any() or factor.shape[1] == 0:  # a G of zeros
         return Answer(forces, 0, Status.STALLED)
     most = MOST_ALL if settings.max_iterations is None else settings.max_iterations
-    run = _Run(problem, active, forces[active], settings.tol, most, end, factor)
-    run.go()
-    forces[active] = run.best
+    run = _Run(problem, active, settings.tol, most, end, factor, structure)
+    before = run.measure_error(np.ascontiguousarray(forces[active]))
+    if not long:
+        run.go()
+    if long is not False and run.error > settings.tol:
+        run.go_long()
+    if run.error < before:
+        forces[active] = run.best
     stop = Status.MAX_TIME if working_time() > end else Status.STALLED
     return Answer(forces, run.done, Status.MAX_ITERATIONS if run.done >= most else stop)
 
@@ -112,8 +133,8 @@ class _Run:
     """One solve: the scaled problem of the contacts that are on, and the best forces so far."""
 
     def __init__(
-        self, problem: ContactProblem, active: BoolArray, forces: FloatArray, tol: float, most: int,
-        end: float, factor: FloatArray,
+        self, problem: ContactProblem, active: BoolArray, tol: float, most: int, end: float, factor: Any,
+        structure: Structure,
     ) -> None:  # fmt: skip
         self.problem, self.active = problem, active
         self.tol, self.most, self.end, self.done = tol, most, end, 0
@@ -126,8 +147,8 @@ class _Run:
         self.scale[:, :2] = np.minimum(self.mu, 1.0)[:, None]
         self.scale[:, 2] = 1.0 / np.maximum(self.mu, 1.0)
         self.factor = factor
-        self.light = len(factor) * factor.shape[1] ** 2 <= LIGHT
-        self.memory = StepMemory(np.ascontiguousarray(self.scale.reshape(-1, 1) * self.factor))
+        self.light, self.most_long = structure.work <= LIGHT, int(LONG_WORK / max(structure.work, 1.0))
+        self.memory = StepMemory(ReducedSystem(factor, self.scale, structure), n)
         scales = np.ascontiguousarray(problem.scales[:, active])
         weight = np.where(scales[0] > 0.0, scales[0], scales[1])
         self.speed, self.force = scales[1], scales[1] / weight
@@ -136,58 +157,92 @@ class _Run:
         fill_measure(scales, self.measure)
         self.low, self.high = np.zeros(n), np.full(n, np.inf)
         self.path: list[tuple[float, Iterate]] = []
-        self.best, self.error, self.last = forces, math.inf, forces
-        self.error = self._error(forces, self._velocities(forces))
+        self.best = self.last = np.zeros((n, 3))
+        self.error = math.inf
 
     def go(self) -> None:
         """Try one start after the other until the problem is solved, or iterations or time are spent."""
         if not self.coulomb:
             self._hold(self._start(STARTS[0]))
             return
-        for start in STARTS:
+        for number, start in enumerate(STARTS):
             self.path = []
-            if self._from(self._start(start)) or self._over() or self.error <= POLISHED:
+            if self._from(self._start(start), number == 0) or self._over() or self.error <= POLISHED:
                 return
 
-    def _from(self, first: Iterate) -> bool:
-        """Follow the path from a point, and polish what is near an answer; tell whether it is solved."""
+    def _from(self, first: Iterate, unequally: bool) -> bool:
+        """Follow the path from a point, and polish what is near an answer; tell whether it is solved.
+
+        Where it is lost it may be followed unequally, which leads to the same place from every start.
+        """
         coarse = self.tol >= COARSE
         if self._follow(first, 0 if coarse else MOST_TURNING) or not self.path:
             return self.error <= self.tol
         # a coarse answer is reached sooner where the shift is held than beyond the path's turns
         if coarse and (self._hold(first) or self._follow(self.path[-1][1], MOST_TURNING)):
             return True
+        lost = self._error(self.last) > POLISH_FROM
+        if self._end():
+            return True
+        if unequally and not coarse and lost and self.light and not self._over():
+            self.path = []
+            if self._follow(first, MOST_UNEQUAL, unequal=True) or self._end():
+                return True
+        return not coarse and (self._hold(first) or self._polish())
+
+    def _end(self) -> bool:
+        """Polish what a path led to, near an answer again from its very end; tell whether it is solved."""
         if self._polish():
             return True
-        if self.error <= POLISH_FROM and (self._follow(self.path[-1][1], 0, 0.0) or self._polish()):
-            return True
-        if not coarse and (self._hold(first) or self._polish()):
-            return True
-        # an error that small is no path lost: rounding, or a polish that came to its end
-        return self.light and self.error > POLISH_FROM and self._go_unequally(first)
+        near = self._error(self.last) <= POLISH_FROM
+        return near and (self._follow(self.path[-1][1], 0, 0.0) or self._polish())
 
-    def _go_unequally(self, first: Iterate) -> bool:
-        """Follow a path whose contacts have unequal shares of the gap; tell whether the problem is solved."""
-        if self._over():
-            return False
-        self.path = []
-        return self._follow(first, MOST_UNEQUAL, unequal=True) or self._polish()
+    def go_long(self) -> None:
+        """Follow a path with unequal shares as far as it goes, and go on by ADMM and Newton from there.
+
+        It winds: of a wall of 60 bricks some thousand steps lead from an error of 5e-3 to one of 1e-3.
+        """
+        if not self.coulomb:
+            return
+        point, turning, left = self._start(STARTS[0]), Turning(True), self.most_long
+        for enough in sorted({POLISH_FROM, max(FINISH_FROM * self.tol, POLISH_FROM)}, reverse=True):
+            while left > 0 and not self._over():
+                left -= 1
+                gap, self.last, u, error = self._look(point, 1.0)
+                if not gap > 0.0 or error <= enough or turning.reach <= LEAST_REACH:
+                    break
+                fill_residual(point.y, self.scale, u, OWN_SHIFT, self.speed, self.memory.residual)
+                self.done += 1
+                after = turning.step(self.memory, point, gap)[1]
+                if after is None:
+                    left = 0
+                    break
+                point = after
+            if self._finish(admm_and_newton, MOST_FINISH):
+                return
 
     def _over(self) -> bool:
         """Tell whether iterations or time are spent."""
         return self.done >= self.most or working_time() > self.end
 
     def _polish(self) -> bool:
-        """Polish the best forces if they are near an answer; tell whether the problem is solved."""
-        if not self.tol < self.error <= NEAR:
-            return False
+        """Polish the forces found last if they are near an answer; tell whether the problem is solved.
+
+        Others may be nearer, where a polish came to rest before.
+        """
+        return self.tol < self._error(self.last) <= NEAR and self._finish(polish, MOST_POLISH)
+
+    def _finish(
+        self, method: Callable[[ContactProblem, SolverSettings, FloatArray], Answer], most: int
+    ) -> bool:
+        """Go on from the forces found last by another method; tell whether the problem is solved."""
         forces = nearest_to_zero(self.problem)
-        forces[self.active] = self.best
-        left = SolverSettings(self.tol, min(self.most - self.done, MOST_POLISH), self.end - working_time())
-        found = polish(self.problem, left, forces)
+        forces[self.active] = self.last
+        left = SolverSettings(self.tol, min(self.most - self.done, most), self.end - working_time())
+        found = method(self.problem, left, forces)
         self.done += found.iterations
         better = np.ascontiguousarray(found.forces[self.active])
-        return self._error(better, self._velocities(better)) <= self.tol
+        return self._error(better) <= self.tol
 
     def _hold(self, first: Iterate) -> bool:
         """Hold one shift after the other as long as that helps; tell whether the problem is solved."""
@@ -229,11 +284,17 @@ class _Run:
         u = self._velocities(self.last)
         return np.asarray(self.scale[:, 0] * np.sqrt(u[:, 0] ** 2 + u[:, 1] ** 2))
 
-    def _error(self, forces: FloatArray, u: FloatArray) -> float:
-        """Return the velocity error of forces with their velocities u (n, 3), and keep the best."""
-        error = velocity_error(
-            forces.ravel(), u.ravel(), self.mu, self.low, self.high, self.measure, not self.coulomb
+    def measure_error(self, forces: FloatArray, u: FloatArray | None = None) -> float:
+        """Return the velocity error of forces (n, 3), with their velocities u (n, 3) if those are known."""
+        u = self._velocities(forces) if u is None else u
+        convex = not self.coulomb
+        return float(
+            velocity_error(forces.ravel(), u.ravel(), self.mu, self.low, self.high, self.measure, convex)
         )
+
+    def _error(self, forces: FloatArray, u: FloatArray | None = None) -> float:
+        """Return the velocity error of forces as `measure_error`, and keep the best."""
+        error = self.measure_error(forces, u)
         if error < self.error:
             self.best, self.error = forces, error
         return error
@@ -330,10 +391,10 @@ def _next_shift(held: list[FloatArray], found: list[FloatArray], speed: FloatArr
     return np.asarray(np.maximum(found[-1] - mix @ np.diff(np.array(found), axis=0), 0.0))
 
 
-def factor_of(problem: ContactProblem, rows: BoolArray) -> FloatArray:
-    """Return Y (rows, r) with G = Y Yᵀ: the problem's own factor, or a pivoted one to rounding."""
+def factor_of(problem: ContactProblem, rows: BoolArray) -> Any:
+    """Return Y (rows, r) with G = Y Yᵀ: the problem's own, sparse, or a pivoted one to rounding, dense."""
     if problem.factor is not None:
-        return np.ascontiguousarray(problem.factor[rows].toarray())
+        return problem.factor[rows]
     G = problem.G if rows.all() else problem.G[np.ix_(rows, rows)]
     lower, order, rank, _ = scipy.linalg.lapack.dpstrf(G, lower=1)
     Y = np.empty((len(G), rank))

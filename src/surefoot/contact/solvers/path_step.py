@@ -19,10 +19,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.base.arrays import FloatArray
 from surefoot.base.kernels import inline_kernel, kernel
 from surefoot.contact.solvers.central_step import Iterate, Scaling, fill_direction, longest_inside
 from surefoot.contact.solvers.cone_pairs import aim_pairs, apply_scaling, centrality, move_points
+from surefoot.contact.solvers.reduced_system import Factors, Rows
 
 NEAR = 1.0
 """Distance to the path above which a step only goes back to it."""
@@ -74,9 +75,8 @@ def _inner(
 
 @kernel
 def path_step(
-    factors: FloatArray, pivots: IntArray, rows: FloatArray, across: FloatArray, point: Iterate,
-    residual: FloatArray, scaling: Scaling, gap: float, motion: Motion, shares: FloatArray, sign: float,
-    reach: float, after: Iterate,
+    factors: Factors, rows: Rows, point: Iterate, residual: FloatArray, scaling: Scaling, gap: float,
+    motion: Motion, shares: FloatArray, sign: float, reach: float, after: Iterate,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Fill the point after a step; return its length (zero for none), the log gap's change and how far off.
 
@@ -98,8 +98,8 @@ def path_step(
         for a in range(3):
             ahead[k, a] = shares[k] * (aim[k, a] - ahead[k, a])
             aim[k, a] = own[k, a] + ahead[k, a]
-    fill_direction(factors, pivots, rows, across, weights, axes, y, 1.0, ahead, none, moved, tx, ty)
-    fill_direction(factors, pivots, rows, across, weights, axes, y, 1.0, aim, residual, moved, cx, cy)
+    fill_direction(factors, rows, weights, axes, y, 1.0, ahead, none, moved, tx, ty)
+    fill_direction(factors, rows, weights, axes, y, 1.0, aim, residual, moved, cx, cy)
     size = math.sqrt(_inner(axes, gap, tx, ty, tx, ty) + n)
     if sign == 0.0:
         sign = -1.0

@@ -1,4 +1,4 @@
-"""Where the interior point is asked: of problems whose contacts are redundant, by how heavy its steps are.
+"""When the interior point is asked: where contacts are redundant or bodies known, by how heavy steps are.
 
 Each function returns None for a problem that is not its own: `auto` has them at several places of its plans.
 """
@@ -9,17 +9,18 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.contact.problem.problem import ContactProblem
-from surefoot.contact.problem.redundancy import LIKELY_FEW, likely_rank
+from surefoot.contact.problem.redundancy import few_bodies, likely_rank
 from surefoot.contact.solvers.interior_point import LIGHT, active_contacts, factor_of, solve_factored
 from surefoot.contact.solvers.newton_step import FEW
+from surefoot.contact.solvers.reduced_system import find_structure
 from surefoot.contact.solvers.solver import Answer, SolverSettings
 
 MOST_RANK, MOST_ROWS, REDUNDANT, FEW_BODIES = 450, 1500, 0.75, 0.4
-"""Rank of G, rows where the rank is not known, and the rank's share of the rows, up to which
+"""Rank and rows of G where the bodies are not known, and the rank's share of the rows, up to which
 `where_redundant` tries: each iteration has a dense factor, and problems of full rank defeat the method.
 Up to the last share, of walls, it comes early: Newton steps they defeat."""
 LONG, LIGHTEST = 1e8, 1e6
-"""Rows times the square of the rank up to which all steps take no longer than some thousand iterations of
+"""Multiplications of a step's matrix up to which all steps take no longer than some thousand iterations of
 ADMM (others do as well beyond it), and up to which no longer than the compiled call's later rounds."""
 
 
@@ -46,12 +47,35 @@ def where_few_bodies(
     return _where(problem, settings, warm_start, -1.0, FEW_BODIES)
 
 
+def where_known(
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
+) -> Answer | None:
+    """Solve a problem whose bodies are known, few or not, a warm start (n, 3) as `solve_interior`; else None.
+
+    Balls at rest in a pit creep along motions that next to nothing resists, at which other methods crawl.
+    """
+    if problem.factor is None or _likely_work(problem) > LONG:
+        return None
+    return _where(problem, settings, warm_start, -1.0, np.inf)
+
+
+def where_long(
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
+) -> Answer | None:
+    """Follow a winding path to its end, a warm start (n, 3) as `solve_interior`; None where steps are heavy.
+
+    It takes ten seconds of a wall of 60 bricks, which nothing else solves.
+    """
+    if problem.law.shift == 0.0 or not few_bodies(problem) or _likely_work(problem) > LIGHT:
+        return None
+    return _where(problem, settings, warm_start, -1.0, FEW_BODIES, True)
+
+
 def where_light(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
     """Solve a problem whose steps are light, a warm start (n, 3) as `solve_interior`; else None."""
-    rows, rank = problem.g.size, likely_rank(problem)
-    if rank > LIKELY_FEW * rows or rows * rank**2 > LIGHT:
+    if not few_bodies(problem) or _likely_work(problem) > LIGHT:
         return None
     return _where(problem, settings, warm_start, -1.0, FEW_BODIES)
 
@@ -66,24 +90,25 @@ def where_lightest(
 
 
 def _likely_work(problem: ContactProblem) -> float:
-    """Return rows times the square of the rank, as far as `likely_rank` knows: what a step's matrix takes."""
+    """Return what a step's matrix takes, as far as `likely_rank` knows where bodies are not known."""
+    if problem.factor is not None:
+        return find_structure(problem.factor).work
     return float(problem.g.size * likely_rank(problem) ** 2)
 
 
 def _where(
-    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None, low: float, high: float
-) -> Answer | None:
-    """Solve where the rank's share of the rows is above low, up to high; else None."""
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None, low: float, high: float,
+    long: bool = False,
+) -> Answer | None:  # fmt: skip
+    """Solve where the rank's share of the rows is above low, up to high, by a long path or not; else None."""
     if problem.general or problem.facets is not None or (problem.normal_max < np.inf).any():
         return None
-    known = None if problem.factor is None else problem.factor.shape[1]
-    if known is not None and known > MOST_RANK:
-        return None
-    active = active_contacts(problem)
-    if known is None and problem.g.size > MOST_ROWS:
+    active, known = active_contacts(problem), problem.factor is not None
+    if not known and problem.g.size > MOST_ROWS:
         return None
     factor = factor_of(problem, np.repeat(active, 3))
     rows, rank = factor.shape
-    if rank > MOST_RANK or not low * rows < rank <= high * rows:
+    structure = find_structure(factor)
+    if (rank > MOST_RANK and not structure.band) or not low * rows < rank <= high * rows:
         return None
-    return solve_factored(problem, settings, warm_start, active, factor)
+    return solve_factored(problem, settings, warm_start, active, factor, structure, long)

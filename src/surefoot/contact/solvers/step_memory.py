@@ -1,32 +1,30 @@
-"""What the interior point's steps work in: scalings, the matrix and its factors, and the last motion."""
+"""What the interior point's steps work in: scalings, the factors of their matrix, and the last motion."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
-import scipy.linalg
 
-from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.contact.solvers import cone_pairs as pairs
 from surefoot.contact.solvers.central_step import Iterate, Scaling, central_step
 from surefoot.contact.solvers.path_step import NEAR, Motion, path_step, unequal_shares
+from surefoot.contact.solvers.reduced_system import ReducedSystem, orientation
 
-LONGER, SHORTENED, LEAST_REACH = 1.5, 0.4, 1e-4
+LONGER, SHORTENED, LEAST_REACH = 1.5, 0.4, 1e-3
 """By what the reach of steps along turns grows while the path is met, and shrinks where it is lost."""
 MOST_BACK, NEARER = 4, 0.8
 """Steps back to the path, and the share of its distance that one has to leave at most, else it is lost."""
 
 
 class StepMemory:
-    """What an iteration works in: scalings and the matrix, for the scaled rows of Y (3n, r)."""
+    """What an iteration works in: scalings and the matrix's factors, for a system of n contacts."""
 
-    def __init__(self, rows: FloatArray) -> None:
-        n, r = len(rows) // 3, rows.shape[1]
-        self.rows, self.across = rows, np.ascontiguousarray(rows.T)
+    def __init__(self, system: ReducedSystem, contacts: int) -> None:
+        n = contacts
+        self.system = system
         self.scaling = Scaling(np.empty((n, 4)), np.empty((n, 3)), np.empty((n, 3, 3)))
-        self.weighed, self.residual = np.empty((3 * n, r)), np.empty((n, 3))
-        self.diagonal = np.diag_indices(r)
+        self.residual = np.empty((n, 3))
         self.motion = Motion(np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(1))
         self.equal, self.unequal = np.ones(n), unequal_shares(n)
 
@@ -34,22 +32,14 @@ class StepMemory:
         """Fill the scalings of a point; return its gap, the mean of x · y."""
         return pairs.scale_pairs(*point, share, *self.scaling)
 
-    def factors(self) -> tuple[FloatArray, IntArray] | None:
-        """Return LAPACK's factors (r, r) of I + Yᵀ P S⁻¹ Y, transposed, with their pivots (r,)."""
-        pairs.weigh_rows(self.scaling.weights, self.rows, self.weighed)
-        matrix = self.weighed.T @ self.rows  # transposed, as LAPACK has it
-        matrix[self.diagonal] += 1.0
-        lu, pivots, failed = scipy.linalg.lapack.dgetrf(matrix.T, overwrite_a=1)
-        return None if failed else (lu.T, pivots)
-
     def advance(self, point: Iterate, gap: float, share: float, least: float) -> tuple[float, Iterate | None]:
         """Take a step with the residual that is there; return its length and the point after it, if any."""
-        factors = self.factors()
+        factors = self.system.factorise(self.scaling.weights)
         if factors is None:
             return 0.0, None
         after = Iterate(*(np.empty_like(part) for part in point))
         length = central_step(
-            *factors, self.rows, self.across, point, self.residual, self.scaling, gap, share, least, after
+            factors, self.system.rows, point, self.residual, self.scaling, gap, share, least, after
         )
         return length, after if length > 0.0 else None
 
@@ -60,15 +50,15 @@ class StepMemory:
 
         Return the change of the log gap, how far off the path the point was, and the point after it.
         """
-        factors = self.factors()
+        factors = self.system.factorise(self.scaling.weights)
         if factors is None:
             return 0.0, np.inf, None
         after = Iterate(*(np.empty_like(part) for part in point))
         # a determinant tells where to go on only along a path without branches: equal bricks branch
-        shares, sign = (self.unequal, -orientation(*factors)) if unequal else (self.equal, 0.0)
+        shares, sign = (self.unequal, -orientation(factors)) if unequal else (self.equal, 0.0)
         length, log, off = path_step(
-            *factors, self.rows, self.across, point, self.residual, self.scaling, gap, self.motion, shares,
-            sign, reach, after,
+            factors, self.system.rows, point, self.residual, self.scaling, gap, self.motion, shares, sign,
+            reach, after,
         )  # fmt: skip
         return log, off, after if length > 0.0 else None
 
@@ -76,16 +66,6 @@ class StepMemory:
         """Forget the last step along the path."""
         for part in self.motion:
             part[:] = 0.0
-
-
-def orientation(factors: FloatArray, pivots: IntArray) -> float:
-    """Return the sign of a matrix's determinant, from LAPACK's factors (r, r) and pivots (r,).
-
-    Along a path that has no branches the gap falls where it is positive, and rises where it is not.
-    """
-    turned = np.count_nonzero(np.diagonal(factors) < 0.0)
-    swapped = np.count_nonzero(pivots != np.arange(pivots.size))
-    return 1.0 if (turned + swapped) % 2 == 0 else -1.0
 
 
 class Turning:

@@ -1,0 +1,112 @@
+"""The matrix of an interior point's step is the same, dense or a band, and so are its solutions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from surefoot.contact.solvers.reduced_system import (
+    Factors,
+    ReducedSystem,
+    apply_rows,
+    find_structure,
+    gather_rows,
+    orientation,
+    solve_factors,
+)
+
+
+def heap(bodies: int, seed: int) -> sp.csr_matrix:
+    """Return rows Y of bodies that touch others near them, or the ground, their numbers shuffled."""
+    rng = np.random.default_rng(seed)
+    name, blocks = rng.permutation(bodies), []
+    for k in range(bodies):
+        for other in {min(k + 1, bodies - 1), min(k + 3, bodies - 1)}:
+            rows = np.zeros((3, 6 * bodies))
+            for one in {name[k], name[other]}:
+                rows[:, 6 * one : 6 * one + 6] = rng.normal(size=(3, 6))
+            blocks.append(sp.csr_matrix(rows))
+    return sp.vstack(blocks, "csr")
+
+
+def weights_of(contacts: int, seed: int) -> np.ndarray:
+    """Return (n, 3, 3) weights that are not symmetric, as a linearised shift leaves them."""
+    rng = np.random.default_rng(seed)
+    A = rng.normal(size=(contacts, 3, 3))
+    out = A @ A.transpose(0, 2, 1)
+    out[:, :, 0] += 0.5 * out[:, :, 2]
+    return out
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("sparse", [False, True])
+def test_the_system_is_what_it_says(seed: int, sparse: bool) -> None:
+    Y = heap(30, seed)
+    n = Y.shape[0] // 3
+    rng = np.random.default_rng(seed)
+    scale, weights = rng.uniform(0.3, 1.0, size=(n, 3)), weights_of(n, seed)
+    factor = Y if sparse else Y.toarray()
+    structure = find_structure(factor)
+    assert (structure.band > 0) == sparse
+    if sparse:
+        assert structure.band <= 40
+    system = ReducedSystem(factor, scale, structure)
+    rows, r = system.rows, Y.shape[1]
+    own = scale.reshape(-1, 1) * Y.toarray()
+    own = own[:, structure.order] if sparse else own
+    forces, v = rng.normal(size=(n, 3)), rng.normal(size=r)
+    right = v.copy()
+    gathered, applied = np.empty(r), np.empty(3 * n)
+    gather_rows(rows, forces, gathered)
+    apply_rows(rows, v, applied)
+    np.testing.assert_allclose(gathered, own.T @ forces.ravel(), atol=1e-12)
+    np.testing.assert_allclose(applied, own @ v, atol=1e-12)
+    matrix = np.eye(r)
+    for k in range(n):
+        part = own[3 * k : 3 * k + 3]
+        matrix += part.T @ weights[k] @ part
+    factors = system.factorise(weights)
+    assert factors is not None
+    solve_factors(factors, v)
+    np.testing.assert_allclose(matrix @ v, right, atol=1e-8)
+    assert orientation(factors) == np.linalg.slogdet(matrix)[0]
+
+
+def test_the_orientation_is_the_sign_of_the_determinant() -> None:
+    """Of matrices of either sign, dense and banded: I + Yᵀ W Y with weights that are not positive."""
+    signs = []
+    for seed in range(20):
+        Y = heap(12, seed)
+        n, dense = Y.shape[0] // 3, Y.toarray()
+        weights = np.random.default_rng(seed).normal(size=(n, 3, 3))
+        found = []
+        for factor in (Y, dense):
+            factors = ReducedSystem(factor, np.ones((n, 3)), find_structure(factor)).factorise(weights)
+            assert factors is not None
+            found.append(orientation(factors))
+        matrix = np.eye(Y.shape[1])
+        for k in range(n):
+            matrix += dense[3 * k : 3 * k + 3].T @ weights[k] @ dense[3 * k : 3 * k + 3]
+        signs.append(np.linalg.slogdet(matrix)[0])
+        assert found == [signs[-1]] * 2
+    assert set(signs) == {-1.0, 1.0}
+
+
+def test_few_bodies_that_all_touch_each_other_are_no_band() -> None:
+    rng = np.random.default_rng(0)
+    blocks = []
+    for one, other in ((0, 1), (0, 2), (1, 2)):
+        rows = np.zeros((3, 18))
+        rows[:, 6 * one : 6 * one + 6], rows[:, 6 * other : 6 * other + 6] = rng.normal(size=(2, 3, 6))
+        blocks.append(rows)
+    assert find_structure(sp.csr_matrix(np.vstack(blocks))).band == 0
+
+
+def test_a_singular_matrix_has_no_factors() -> None:
+    Y = sp.csr_matrix(np.kron(np.eye(8), np.ones((3, 1))))
+    system = ReducedSystem(Y, np.ones((8, 3)), find_structure(Y))
+    weights = np.zeros((8, 3, 3))
+    weights[0, 0, 0] = -1.0
+    assert isinstance(system.factorise(0.0 * weights), Factors)
+    assert system.factorise(weights) is None
