@@ -9,6 +9,7 @@ from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.solvers import interior_point
 from surefoot.contact.solvers.central_step import Iterate, Scaling, fill_residual
 from surefoot.contact.solvers.cone_pairs import centrality, scale_pairs
+from surefoot.contact.solvers.delassus_factor import find_factor
 from surefoot.contact.solvers.path_step import Motion, path_step, unequal_shares
 from surefoot.contact.solvers.reduced_system import ReducedSystem, find_structure, orientation
 
@@ -82,10 +83,11 @@ def test_a_turn_of_a_wall_of_23_bricks_is_passed() -> None:
     given = next(steps(SCENES["wall of 23"], 1)).problem
     problem = ContactProblem(given.G, given.g, given.mu)
     active = np.ones(problem.contacts, dtype=bool)
-    factor = interior_point.factor_of(problem, np.repeat(active, 3))
+    found = find_factor(problem, np.repeat(active, 3))
+    assert found is not None
     errors = []
     for turns in (0, 60):
-        run = interior_point._Run(problem, active, 1e-8, 1000, np.inf, factor, find_structure(factor))
+        run = interior_point._Run(problem, active, 1e-8, 1000, np.inf, *found)
         run._follow(run._start(1.0), turns)
         errors.append(run.error)
     assert errors[0] > 1e-3
@@ -100,8 +102,9 @@ def test_the_path_that_equal_shares_lose_is_followed_with_unequal_ones() -> None
     *_, given = steps(SCENES["wall of 23"], 98)
     problem = ContactProblem(given.problem.G, given.problem.g, given.problem.mu)
     active = np.ones(problem.contacts, dtype=bool)
-    factor = interior_point.factor_of(problem, np.repeat(active, 3))
-    run = interior_point._Run(problem, active, 1e-6, 9000, np.inf, factor, find_structure(factor))
+    found = find_factor(problem, np.repeat(active, 3))
+    assert found is not None
+    run = interior_point._Run(problem, active, 1e-6, 9000, np.inf, *found)
     assert run._follow(run._start(1.0), interior_point.MOST_UNEQUAL, unequal=True) or run._end()
     assert run.error <= 1e-6
 

@@ -35,8 +35,8 @@ from surefoot.contact.solvers.compiled import COMPILED_CONTACTS, LATER, attempt
 from surefoot.contact.solvers.infeasibility import find_proof
 from surefoot.contact.solvers.newton_step import FEW
 from surefoot.contact.solvers.redundant_contacts import (
+    where_banded,
     where_few_bodies,
-    where_known,
     where_light,
     where_lightest,
     where_long,
@@ -119,7 +119,7 @@ def _large_plan(problem: ContactProblem, tried: bool) -> Plan:
     """
     lighter = problem.factor is not None and (few_bodies(problem) or problem.contacts > on_blocks.FULL)
     plan = (plans.CONES_BODIES if lighter else plans.CONES_LARGE)[problem.law]
-    again = (plans.KNOWN_BODIES, plans.FEW_BODIES)
+    again = (plans.BAND, plans.FEW_BODIES)
     return tuple(stage for stage in plan if not (tried and stage.name in again))
 
 
@@ -286,7 +286,7 @@ LOOKS = {
     PARTS: solve_parts,
     INTERIOR: where_redundant,
     plans.FEW_BODIES: where_few_bodies,
-    plans.KNOWN_BODIES: where_known,
+    plans.BAND: where_banded,
     plans.LONG_PATH: where_long,
     plans.LIGHTEST: where_lightest,
     plans.LATER: later_rounds,

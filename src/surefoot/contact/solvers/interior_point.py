@@ -29,7 +29,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import scipy.linalg
 
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.kernels import working_time
@@ -37,8 +36,9 @@ from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.contact.solvers.admm import polish
 from surefoot.contact.solvers.central_step import Iterate, fill_residual
+from surefoot.contact.solvers.delassus_factor import find_factor
 from surefoot.contact.solvers.on_blocks import admm_and_newton
-from surefoot.contact.solvers.reduced_system import ReducedSystem, Structure, find_structure
+from surefoot.contact.solvers.reduced_system import ReducedSystem, Structure
 from surefoot.contact.solvers.solver import (
     Answer,
     SolverSettings,
@@ -94,8 +94,9 @@ def solve_interior(
 ) -> Answer:
     """Solve Coulomb's or the convex law; a warm start (n, 3) is returned where nothing better is found."""
     active = active_contacts(problem)
-    factor = factor_of(problem, np.repeat(active, 3))
-    return solve_factored(problem, settings, warm_start, active, factor, find_structure(factor), None)
+    found = find_factor(problem, np.repeat(active, 3))
+    assert found is not None  # without a limit there is one
+    return solve_factored(problem, settings, warm_start, active, *found, None)
 
 
 def active_contacts(problem: ContactProblem) -> BoolArray:
@@ -184,7 +185,7 @@ class _Run:
         lost = self._error(self.last) > POLISH_FROM
         if self._end():
             return True
-        if unequally and not coarse and lost and self.light and not self._over():
+        if unequally and lost and self.light and not self._over():
             self.path = []
             if self._follow(first, MOST_UNEQUAL, unequal=True) or self._end():
                 return True
@@ -389,14 +390,3 @@ def _next_shift(held: list[FloatArray], found: list[FloatArray], speed: FloatArr
     changes = (np.array(found) - np.array(held)) / speed
     mix = np.linalg.lstsq(np.diff(changes, axis=0).T, changes[-1], rcond=1e-6)[0]
     return np.asarray(np.maximum(found[-1] - mix @ np.diff(np.array(found), axis=0), 0.0))
-
-
-def factor_of(problem: ContactProblem, rows: BoolArray) -> Any:
-    """Return Y (rows, r) with G = Y Yᵀ: the problem's own, sparse, or a pivoted one to rounding, dense."""
-    if problem.factor is not None:
-        return problem.factor[rows]
-    G = problem.G if rows.all() else problem.G[np.ix_(rows, rows)]
-    lower, order, rank, _ = scipy.linalg.lapack.dpstrf(G, lower=1)
-    Y = np.empty((len(G), rank))
-    Y[order - 1] = np.tril(lower[:, :rank])
-    return Y

@@ -5,17 +5,19 @@ Each function returns None for a problem that is not its own: `auto` has them at
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.problem.redundancy import few_bodies, likely_rank
-from surefoot.contact.solvers.interior_point import LIGHT, active_contacts, factor_of, solve_factored
+from surefoot.contact.solvers.delassus_factor import find_factor
+from surefoot.contact.solvers.interior_point import LIGHT, active_contacts, solve_factored
 from surefoot.contact.solvers.newton_step import FEW
-from surefoot.contact.solvers.reduced_system import find_structure
 from surefoot.contact.solvers.solver import Answer, SolverSettings
 
-MOST_RANK, MOST_ROWS, REDUNDANT, FEW_BODIES = 450, 1500, 0.75, 0.4
+MOST_RANK, MOST_ROWS, REDUNDANT, FEW_BODIES = 450, 2000, 0.75, 0.4
 """Rank and rows of G where the bodies are not known, and the rank's share of the rows, up to which
 `where_redundant` tries: each iteration has a dense factor, and problems of full rank defeat the method.
 Up to the last share, of walls, it comes early: Newton steps they defeat."""
@@ -32,31 +34,41 @@ def where_redundant(
     Of more than `FEW` contacts where others of this module do not.
     """
     if problem.contacts <= FEW:
-        return _where(problem, settings, warm_start, -1.0, REDUNDANT)
+        return _where(problem, settings, warm_start, (-1.0, REDUNDANT))
     if _likely_work(problem) <= LIGHTEST:
         return None
-    return _where(problem, settings, warm_start, FEW_BODIES, REDUNDANT)
+    return _where(problem, settings, warm_start, (FEW_BODIES, REDUNDANT))
 
 
 def where_few_bodies(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
     """Solve a problem whose contacts hold few bodies, a warm start (n, 3) as `solve_interior`; else None."""
-    if _likely_work(problem) > LONG:
-        return None
-    return _where(problem, settings, warm_start, -1.0, FEW_BODIES)
+    return _where(problem, settings, warm_start, (-1.0, FEW_BODIES), LONG)
 
 
-def where_known(
+def where_banded(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
-    """Solve a problem whose bodies are known, few or not, a warm start (n, 3) as `solve_interior`; else None.
+    """Solve a problem whose matrix is a band or whose bodies are known, a warm start as others; else None.
 
-    Balls at rest in a pit creep along motions that next to nothing resists, at which other methods crawl.
+    A stack is long; balls at rest in a pit creep along motions that next to nothing resists, at which other
+    methods crawl.
     """
-    if problem.factor is None or _likely_work(problem) > LONG:
+    known = problem.factor is not None
+    return _where(problem, settings, warm_start, (-1.0, math.inf), LONG, dense=known)
+
+
+def where_light(
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None, long: bool = False
+) -> Answer | None:
+    """Solve a problem of few bodies whose steps are light, a warm start as `solve_interior`; else None.
+
+    By a long path or by all else.
+    """
+    if not few_bodies(problem):
         return None
-    return _where(problem, settings, warm_start, -1.0, np.inf)
+    return _where(problem, settings, warm_start, (-1.0, FEW_BODIES), LIGHT, long)
 
 
 def where_long(
@@ -66,18 +78,7 @@ def where_long(
 
     It takes ten seconds of a wall of 60 bricks, which nothing else solves.
     """
-    if problem.law.shift == 0.0 or not few_bodies(problem) or _likely_work(problem) > LIGHT:
-        return None
-    return _where(problem, settings, warm_start, -1.0, FEW_BODIES, True)
-
-
-def where_light(
-    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
-) -> Answer | None:
-    """Solve a problem whose steps are light, a warm start (n, 3) as `solve_interior`; else None."""
-    if not few_bodies(problem) or _likely_work(problem) > LIGHT:
-        return None
-    return _where(problem, settings, warm_start, -1.0, FEW_BODIES)
+    return None if problem.law.shift == 0.0 else where_light(problem, settings, warm_start, True)
 
 
 def where_lightest(
@@ -86,29 +87,32 @@ def where_lightest(
     """Solve a problem whose steps are lightest, a warm start (n, 3) as `solve_interior`; else None."""
     if _likely_work(problem) > LIGHTEST:
         return None
-    return _where(problem, settings, warm_start, FEW_BODIES, REDUNDANT)
+    return _where(problem, settings, warm_start, (FEW_BODIES, REDUNDANT))
 
 
 def _likely_work(problem: ContactProblem) -> float:
-    """Return what a step's matrix takes, as far as `likely_rank` knows where bodies are not known."""
-    if problem.factor is not None:
-        return find_structure(problem.factor).work
+    """Return what a step's matrix takes where it is dense, as far as `likely_rank` knows."""
     return float(problem.g.size * likely_rank(problem) ** 2)
 
 
 def _where(
-    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None, low: float, high: float,
-    long: bool = False,
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None,
+    shares: tuple[float, float], most: float = math.inf, long: bool = False, dense: bool = True,
 ) -> Answer | None:  # fmt: skip
-    """Solve where the rank's share of the rows is above low, up to high, by a long path or not; else None."""
+    """Solve where the rank's share of the rows is above the first, up to the second; else None.
+
+    A step's matrix takes so many multiplications at most, and may be dense.
+    """
     if problem.general or problem.facets is not None or (problem.normal_max < np.inf).any():
         return None
-    active, known = active_contacts(problem), problem.factor is not None
-    if not known and problem.g.size > MOST_ROWS:
+    if problem.factor is None and problem.g.size > MOST_ROWS:
         return None
-    factor = factor_of(problem, np.repeat(active, 3))
+    active = active_contacts(problem)
+    found = find_factor(problem, np.repeat(active, 3), most, dense)
+    if found is None:
+        return None
+    factor, structure = found
     rows, rank = factor.shape
-    structure = find_structure(factor)
-    if (rank > MOST_RANK and not structure.band) or not low * rows < rank <= high * rows:
+    if (rank > MOST_RANK and not structure.band) or not shares[0] * rows < rank <= shares[1] * rows:
         return None
     return solve_factored(problem, settings, warm_start, active, factor, structure, long)
