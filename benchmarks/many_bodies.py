@@ -1,46 +1,105 @@
-"""Spheres in the air: a step here and in MuJoCo, and memory: `python -m benchmarks.many_bodies [COUNT]`."""
+"""Spheres in the air, or at rest in a pit: a step here and in MuJoCo, `python -m benchmarks.many_bodies [COUNT]`.
+
+python -m benchmarks.many_bodies 1000                       # in the air, and the memory they take
+python -m benchmarks.many_bodies 100 --pit --steps 900      # dropped between four walls, the last third judged
+"""
 
 from __future__ import annotations
 
+import argparse
 import resource
-import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import mujoco
 import numpy as np
 
-from surefoot.mechanics.collision import Sphere
+from surefoot.mechanics.collision import Box, Sphere
 from surefoot.worlds.rigid.scene import Body, Scene, SceneWorld
 
 STEPS = 100
+RADIUS, ROOM = 0.05, 0.11
+"""Of a sphere [m], and how far apart they begin."""
+PIT_STEP = 2e-3
+"""Of both worlds, of spheres in a pit [s]."""
+
+Place = tuple[float, float, float]
 
 
 def _timed(step: Callable[[], object]) -> float:
-    """Return the milliseconds of a step."""
-    start = time.perf_counter()
+    """Return the milliseconds of CPU of a step."""
+    start = time.thread_time()
     step()
-    return 1e3 * (time.perf_counter() - start)
+    return 1e3 * (time.thread_time() - start)
 
 
-def main() -> None:
-    """Print the medians of both, step after step, and the largest memory before MuJoCo's model is made."""
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
+def in_air(count: int) -> tuple[list[Place], list[Body]]:
+    """Return places of spheres apart from each other, and no walls."""
     side = int(np.ceil(count ** (1.0 / 3.0) - 1e-9))
     at = 0.3 * np.stack(np.unravel_index(np.arange(count), (side,) * 3), axis=1) + [0.0, 0.0, 1.0]
-    places = [(float(x), float(y), float(z)) for x, y, z in at]
-    world = SceneWorld(Scene([Body(f"{k}", Sphere(0.05), 1.0, p) for k, p in enumerate(places)]))
+    return [(float(x), float(y), float(z)) for x, y, z in at], []
+
+
+def in_pit(count: int) -> tuple[list[Place], list[Body]]:
+    """Return places of spheres in layers of sixteen, a little out of line, and the four walls around them."""
+    rng, grid = np.random.default_rng(0), ROOM * (np.arange(4) - 1.5)
+    places = []
+    for k in range(count):
+        level, row, column = k // 16, k // 4 % 4, k % 4
+        x, y, z = np.array([grid[row], grid[column], 0.06 + 0.105 * level]) + rng.uniform(-0.004, 0.004, 3)
+        places.append((float(x), float(y), float(z)))
+    half, high = 2.6 * ROOM, 0.06 * count / 8.0 + 0.5
+    walls = [
+        Body(f"wall {k}", Box((sx, sy, high)), position=(x, y, 0.5 * high), fixed=True)
+        for k, (x, y, sx, sy) in enumerate(
+            ((half, 0.0, 0.1, 2.0), (-half, 0.0, 0.1, 2.0), (0.0, half, 2.0, 0.1), (0.0, -half, 2.0, 0.1))
+        )
+    ]
+    return places, walls
+
+
+def mujoco_scene(places: Sequence[Place], walls: Sequence[Body], step: float) -> tuple[object, object]:
+    """Return MuJoCo's model and data of the same spheres and walls."""
+    geoms = ['<geom type="plane" size="9 9 1" friction="0.6"/>']
+    for wall in walls:
+        size = " ".join(map(str, wall.shape.core.tolist()))
+        geoms.append(
+            f'<geom type="box" size="{size}" pos="{" ".join(map(str, wall.position))}" friction="0.6"/>'
+        )
+    balls = "".join(
+        f'<body pos="{x} {y} {z}"><freejoint/><geom size="{RADIUS}" mass="1" friction="0.6"/></body>'
+        for x, y, z in places
+    )
+    option = f'<option timestep="{step}" cone="elliptic"/>'
+    model = mujoco.MjModel.from_xml_string(
+        f"<mujoco>{option}<worldbody>{''.join(geoms)}{balls}</worldbody></mujoco>"
+    )
+    return model, mujoco.MjData(model)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Print medians, and the largest memory before MuJoCo's model is made."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("count", type=int, nargs="?", default=1000)
+    parser.add_argument("--pit", action="store_true")
+    parser.add_argument("--steps", type=int, default=STEPS)
+    given = parser.parse_args(arguments)
+    places, walls = (in_pit if given.pit else in_air)(given.count)
+    step = PIT_STEP if given.pit else 1e-3
+    balls = [Body(f"{k}", Sphere(RADIUS), 1.0, p) for k, p in enumerate(places)]
+    world = SceneWorld(Scene([*walls, *balls]), mu=0.6, dt=step)
     world.step()
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
-    balls = "".join(
-        f'<body pos="{x} {y} {z}"><freejoint/><geom size="0.05" mass="1"/></body>' for x, y, z in places
-    )
-    plane = '<option timestep="0.001"/><worldbody><geom type="plane" size="9 9 1"/>'
-    model = mujoco.MjModel.from_xml_string(f"<mujoco>{plane}{balls}</worldbody></mujoco>")
-    data = mujoco.MjData(model)
-    times = [(_timed(world.step), _timed(lambda: mujoco.mj_step(model, data))) for _ in range(STEPS)]
-    ours, theirs = np.median(times, axis=0)
-    print(f"{count} spheres: {ours:.2f} ms a step, MuJoCo {theirs:.2f} ms; {memory:.2f} GB")
+    model, data = mujoco_scene(places, walls, step)
+    times = [(_timed(world.step), _timed(lambda: mujoco.mj_step(model, data))) for _ in range(given.steps)]
+    judged = np.array(times[-given.steps // 3 :] if given.pit else times)
+    ours, theirs = np.median(judged, axis=0)
+    print(f"{given.count} spheres: {ours:.2f} ms a step, MuJoCo {theirs:.2f} ms; {memory:.2f} GB")
+    if given.pit:
+        late, largest = np.percentile(judged[:, 0], 99), judged[:, 0].max()
+        print(
+            f"99 % of steps within {late:.0f} ms, all within {largest:.0f}; unsolved so far {world.unsolved}"
+        )
 
 
 if __name__ == "__main__":

@@ -69,7 +69,7 @@ TURN, TURN_FROM, MOST_TURNING, PASSED = 0.3, 1e-2, 40, -0.15
 its length then, steps that this may take, and the change of the log gap after which the turn is passed."""
 MOST_UNEQUAL = 700
 """Steps along turns of a path whose contacts have unequal shares of the gap."""
-LONG_WORK, MOST_FINISH, FINISH_FROM = 5e10, 12_000, 1e3
+LONG_WORK, MOST_FINISH, FINISH_FROM = 3e10, 12_000, 1e3
 """Multiplications of all matrices of a long path, iterations of ADMM from its end, and the velocity error,
 over the tolerance, at which they are first worth it."""
 BEFORE = 1e-5
@@ -79,8 +79,6 @@ KNOWN, HELD = 1e-2, 0.3
 held shift is solved."""
 WORSE = 3
 """Iterations that leave more of a held program's error than its best, after which rounding has taken over."""
-LIGHT = 5e7
-"""Rows times the square of the rank up to which a few steps take less time than Newton's first ones do."""
 OWN_SHIFT = np.empty(0)
 """In place of a shift: that of the point itself."""
 HELPED, IDLE_SHIFTS, DEPTH = 0.5, 2, 4
@@ -148,7 +146,7 @@ class _Run:
         self.scale[:, :2] = np.minimum(self.mu, 1.0)[:, None]
         self.scale[:, 2] = 1.0 / np.maximum(self.mu, 1.0)
         self.factor = factor
-        self.light, self.most_long = structure.work <= LIGHT, int(LONG_WORK / max(structure.work, 1.0))
+        self.most_long = int(LONG_WORK / max(structure.work, 1.0))
         self.memory = StepMemory(ReducedSystem(factor, self.scale, structure), n)
         scales = np.ascontiguousarray(problem.scales[:, active])
         weight = np.where(scales[0] > 0.0, scales[0], scales[1])
@@ -182,12 +180,11 @@ class _Run:
         # a coarse answer is reached sooner where the shift is held than beyond the path's turns
         if coarse and (self._hold(first) or self._follow(self.path[-1][1], MOST_TURNING)):
             return True
-        lost = self._error(self.last) > POLISH_FROM
         if self._end():
             return True
-        if unequally and lost and self.light and not self._over():
-            self.path = []
-            if self._follow(first, MOST_UNEQUAL, unequal=True) or self._end():
+        if unequally and not self._over():
+            self._follow_unequally(first, min(MOST_UNEQUAL, self.most_long), POLISH_FROM)
+            if self.error <= self.tol or self._end():
                 return True
         return not coarse and (self._hold(first) or self._polish())
 
@@ -205,22 +202,34 @@ class _Run:
         """
         if not self.coulomb:
             return
-        point, turning, left = self._start(STARTS[0]), Turning(True), self.most_long
+        point, left = self._start(STARTS[0]), self.most_long
         for enough in sorted({POLISH_FROM, max(FINISH_FROM * self.tol, POLISH_FROM)}, reverse=True):
-            while left > 0 and not self._over():
-                left -= 1
-                gap, self.last, u, error = self._look(point, 1.0)
-                if not gap > 0.0 or error <= enough or turning.reach <= LEAST_REACH:
-                    break
-                fill_residual(point.y, self.scale, u, OWN_SHIFT, self.speed, self.memory.residual)
-                self.done += 1
-                after = turning.step(self.memory, point, gap)[1]
-                if after is None:
-                    left = 0
-                    break
-                point = after
-            if self._finish(admm_and_newton, MOST_FINISH):
+            before = self.done
+            point = self._follow_unequally(point, left, enough)
+            left -= self.done - before
+            if self.error <= self.tol or self._finish(admm_and_newton, MOST_FINISH) or self._over():
                 return
+
+    def _follow_unequally(self, point: Iterate, most: int, enough: float) -> Iterate:
+        """Follow a path by its length, with unequal shares of the gap; return the point where it ends.
+
+        That is where an error is enough, after so many steps, or where the path is lost.
+        """
+        turning = Turning(True)
+        for _ in range(min(most, self.most - self.done)):
+            gap, self.last, u, error = self._look(point, 1.0)
+            if not gap > 0.0 or error <= max(enough, self.tol) or turning.reach <= LEAST_REACH:
+                break
+            self.path = [(gap, point)]
+            if working_time() > self.end:
+                break
+            fill_residual(point.y, self.scale, u, OWN_SHIFT, self.speed, self.memory.residual)
+            self.done += 1
+            after = turning.step(self.memory, point, gap)[1]
+            if after is None:
+                break
+            point = after
+        return point
 
     def _over(self) -> bool:
         """Tell whether iterations or time are spent."""
@@ -315,13 +324,13 @@ class _Run:
         u = self._velocities(forces)
         return gap, forces, u, self._error(forces, u) if gap > 0.0 else math.inf
 
-    def _follow(self, point: Iterate, turns: int, enough: float = POLISH_FROM, unequal: bool = False) -> bool:
+    def _follow(self, point: Iterate, turns: int, enough: float = POLISH_FROM) -> bool:
         """Follow the central path with the shift linearised; tell whether the problem is solved.
 
-        So many steps may go along turns, with unequal shares of the gap or not. An error may be enough.
+        So many steps may go along turns. An error may be enough.
         """
         short = 0
-        turning = Turning(True) if unequal else None
+        turning: Turning | None = None
         for _ in range(min(MOST + turns, self.most - self.done)):
             gap, self.last, u, error = self._look(point, 1.0)
             if not gap > 0.0 or error <= self.tol:  # below the smallest number
@@ -335,15 +344,14 @@ class _Run:
             if turning is not None:
                 turns -= 1
                 log, after = turning.step(self.memory, point, gap)
-                passed = log <= PASSED and (not unequal or gap < BEFORE * self.energy)
-                if passed or turns <= 0:
+                if log <= PASSED or turns <= 0:
                     turning = None
             else:
                 least = LEAST if far > AHEAD * gap / self.energy else 0.0
                 length, after = self.memory.advance(point, gap, 1.0, least)
                 short = short + 1 if length < SHORT else 0
                 if length < TURN and turns > 0 and gap < TURN_FROM * self.energy:
-                    turning, short, after = Turning(unequal), 0, point
+                    turning, short, after = Turning(False), 0, point
                     self.memory.forget()
             if after is None or short >= IDLE:
                 break

@@ -19,7 +19,7 @@ from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import inline_kernel, kernel
 from surefoot.contact.solvers.cone_pairs import weigh_rows
 
-BANDED = 0.3
+BANDED = 0.2
 """A band is taken where its factors and its assembly take less than this share of a dense matrix's work."""
 
 
@@ -184,7 +184,7 @@ def find_structure(factor: Any) -> Structure:
     row = np.repeat(np.arange(r), np.diff(pattern.indptr))
     band = int(np.abs(place[row] - place[pattern.indices]).max(initial=1))
     width = int(np.diff(moves.indptr).max(initial=1))
-    work = 2.0 * r * band * band + float(m) * width * width
+    work = float(r) * band * band + float(m) * width * width
     if work >= BANDED * dense.work:
         return dense
     placed: Any = sp.csr_matrix((moves.data, place[moves.indices], moves.indptr), shape=moves.shape)

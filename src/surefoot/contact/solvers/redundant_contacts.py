@@ -13,7 +13,7 @@ from surefoot.base.arrays import FloatArray
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.problem.redundancy import few_bodies, likely_rank
 from surefoot.contact.solvers.delassus_factor import find_factor
-from surefoot.contact.solvers.interior_point import LIGHT, active_contacts, solve_factored
+from surefoot.contact.solvers.interior_point import active_contacts, solve_factored
 from surefoot.contact.solvers.newton_step import FEW
 from surefoot.contact.solvers.solver import Answer, SolverSettings
 
@@ -21,9 +21,9 @@ MOST_RANK, MOST_ROWS, REDUNDANT, FEW_BODIES = 450, 2000, 0.75, 0.4
 """Rank and rows of G where the bodies are not known, and the rank's share of the rows, up to which
 `where_redundant` tries: each iteration has a dense factor, and problems of full rank defeat the method.
 Up to the last share, of walls, it comes early: Newton steps they defeat."""
-LONG, LIGHTEST = 1e8, 1e6
+LONG, LIGHT, LIGHTEST = 1e8, 3e7, 1e6
 """Multiplications of a step's matrix up to which all steps take no longer than some thousand iterations of
-ADMM (others do as well beyond it), and up to which no longer than the compiled call's later rounds."""
+ADMM (others do as well beyond it), than Newton's first ones, and than the compiled call's later rounds."""
 
 
 def where_redundant(
