@@ -45,7 +45,7 @@ from surefoot.contact.solvers.solver import (
     nearest_to_zero,
     register,
 )
-from surefoot.contact.solvers.step_memory import LEAST_REACH, StepMemory, Turning
+from surefoot.contact.solvers.step_memory import StepMemory, Turning
 from surefoot.contact.solvers.stopping import fill_measure, velocity_error
 
 MOST, MOST_HELD, MOST_SHIFTS = 60, 40, 12
@@ -218,7 +218,7 @@ class _Run:
         turning = Turning(True)
         for _ in range(min(most, self.most - self.done)):
             gap, self.last, u, error = self._look(point, 1.0)
-            if not gap > 0.0 or error <= max(enough, self.tol) or turning.reach <= LEAST_REACH:
+            if not gap > 0.0 or error <= max(enough, self.tol) or turning.lost:
                 break
             self.path = [(gap, point)]
             if working_time() > self.end:

@@ -13,6 +13,8 @@ from surefoot.contact.solvers.reduced_system import ReducedSystem, orientation
 
 LONGER, SHORTENED, LEAST_REACH = 1.5, 0.4, 1e-3
 """By what the reach of steps along turns grows while the path is met, and shrinks where it is lost."""
+MOST_SHORT = 200
+"""Steps of the least reach in turn after which a path counts as lost: until then some find it again."""
 MOST_BACK, NEARER = 4, 0.8
 """Steps back to the path, and the share of its distance that one has to leave at most, else it is lost."""
 
@@ -74,7 +76,12 @@ class Turning:
     def __init__(self, unequal: bool) -> None:
         self.unequal = unequal
         self.met: Iterate | None = None
-        self.reach, self.off, self.back = 1.0, math.inf, 0
+        self.reach, self.off, self.back, self.short = 1.0, math.inf, 0, 0
+
+    @property
+    def lost(self) -> bool:
+        """Whether steps have been as short as they may be for long."""
+        return self.short > MOST_SHORT
 
     def step(self, memory: StepMemory, point: Iterate, gap: float) -> tuple[float, Iterate | None]:
         """Return the change of the log gap and the point after a step.
@@ -92,4 +99,5 @@ class Turning:
             if (lost or after is None) and self.met is not None and self.reach > LEAST_REACH:
                 self.reach, self.back, off, after = SHORTENED * self.reach, 0, math.inf, self.met
         self.off = off
+        self.short = self.short + 1 if self.reach <= LEAST_REACH else 0
         return log, after
