@@ -31,7 +31,7 @@ class Rows(NamedTuple):
     values, across
         (3n, r) all of them, and transposed; of a band (3n, w) those columns that a contact moves, and empty.
     columns
-        (n, w) which these are, filled up with any where there are fewer; (0, 0) where all are kept.
+        (n, w) which these are, filled up where there are fewer; (0, 0) where all are kept.
     size
         r.
     """
@@ -144,8 +144,7 @@ def _fill_band(rows: Rows, weights: FloatArray, band: int, out: FloatArray) -> N
             c = weights[k, 2, 0] * p + weights[k, 2, 1] * q + weights[k, 2, 2] * s
             for e in range(w):
                 product = values[3 * k, e] * a + values[3 * k + 1, e] * b + values[3 * k + 2, e] * c
-                if product != 0.0:
-                    out[j, 2 * band + columns[k, e] - j] += product
+                out[j, 2 * band + columns[k, e] - j] += product
 
 
 class Structure(NamedTuple):
@@ -237,6 +236,9 @@ def _narrow(factor: Any, scale: FloatArray, moves: Any) -> Rows:
     contact = np.repeat(np.arange(n), np.diff(moves.indptr))
     slot = np.arange(moves.nnz) - moves.indptr[contact]
     columns, values = np.zeros((n, width), dtype=np.int64), np.zeros((3 * n, width))
+    # filled up with columns of its own, so that all of a contact's products are within the band
+    last = np.maximum(moves.indptr[1:] - 1, 0)
+    columns[:] = moves.indices[last][:, None]
     columns[contact, slot] = moves.indices
     row = np.repeat(np.arange(3 * n), np.diff(factor.indptr))
     place = np.searchsorted(contact * r + moves.indices, row // 3 * r + factor.indices)
