@@ -35,11 +35,11 @@ from surefoot.contact.solvers.compiled import COMPILED_CONTACTS, LATER, attempt
 from surefoot.contact.solvers.infeasibility import find_proof
 from surefoot.contact.solvers.newton_step import FEW
 from surefoot.contact.solvers.redundant_contacts import (
-    where_banded,
     where_few_bodies,
     where_light,
     where_lightest,
     where_long,
+    where_many,
     where_redundant,
 )
 from surefoot.contact.solvers.solver import (
@@ -115,12 +115,11 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
 def _large_plan(problem: ContactProblem, tried: bool) -> Plan:
     """Return the plan of many contacts: ADMM first where bodies are known and few, or Newton steps heavy.
 
-    Without interior points but the last where one was tried.
+    Without the interior point that was tried already, but for its long path.
     """
     lighter = problem.factor is not None and (few_bodies(problem) or problem.contacts > on_blocks.FULL)
     plan = (plans.CONES_BODIES if lighter else plans.CONES_LARGE)[problem.law]
-    again = (plans.BAND, plans.FEW_BODIES)
-    return tuple(stage for stage in plan if not (tried and stage.name in again))
+    return tuple(stage for stage in plan if not (tried and stage.name == plans.MANY))
 
 
 def _run_away(problem: ContactProblem, forces: FloatArray) -> bool:
@@ -286,7 +285,7 @@ LOOKS = {
     PARTS: solve_parts,
     INTERIOR: where_redundant,
     plans.FEW_BODIES: where_few_bodies,
-    plans.BAND: where_banded,
+    plans.MANY: where_many,
     plans.LONG_PATH: where_long,
     plans.LIGHTEST: where_lightest,
     plans.LATER: later_rounds,

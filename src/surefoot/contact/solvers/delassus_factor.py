@@ -107,12 +107,12 @@ def sparse_factor(problem: ContactProblem, rows: BoolArray) -> Any:
 
 
 def find_factor(
-    problem: ContactProblem, rows: BoolArray, most: float = math.inf, dense: bool = True
+    problem: ContactProblem, rows: BoolArray, most: float = math.inf
 ) -> tuple[Any, Structure] | None:
     """Return Y (rows, r) with G = Y Yᵀ and its structure: the problem's own, a sparse or a pivoted dense one.
 
     None where its matrix takes more multiplications than wanted, as far as `likely_rank` knows of a dense
-    one, or where no dense one is.
+    one.
     """
     factor = None if problem.factor is None else problem.factor[rows]
     if factor is None and problem.g.size >= SPARSE_FROM:
@@ -120,7 +120,7 @@ def find_factor(
         # the pivots of a dense one leave less rounding
         factor = factor if factor is not None and find_structure(factor).band else None
     if factor is None:
-        if not dense or problem.g.size * likely_rank(problem) ** 2 > most:
+        if problem.g.size * likely_rank(problem) ** 2 > most:
             return None
         G = problem.G if rows.all() else problem.G[np.ix_(rows, rows)]
         lower, order, rank, _ = scipy.linalg.lapack.dpstrf(G, lower=1)

@@ -47,16 +47,15 @@ def where_few_bodies(
     return _where(problem, settings, warm_start, (-1.0, FEW_BODIES), LONG)
 
 
-def where_banded(
+def where_many(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
-    """Solve a problem whose matrix is a band or whose bodies are known, a warm start as others; else None.
+    """Solve many contacts of few bodies, of known ones, or whose matrix is a band; else None.
 
-    A stack is long; balls at rest in a pit creep along motions that next to nothing resists, at which other
-    methods crawl.
+    A warm start is (n, 3) as `solve_interior`. A stack is long; balls at rest in a pit creep along motions
+    that next to nothing resists, at which other methods crawl.
     """
-    known = problem.factor is not None
-    return _where(problem, settings, warm_start, (-1.0, math.inf), LONG, dense=known)
+    return _where(problem, settings, warm_start, (-1.0, FEW_BODIES), LONG, any_band=True)
 
 
 def where_light(
@@ -97,22 +96,24 @@ def _likely_work(problem: ContactProblem) -> float:
 
 def _where(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None,
-    shares: tuple[float, float], most: float = math.inf, long: bool = False, dense: bool = True,
+    shares: tuple[float, float], most: float = math.inf, long: bool = False, any_band: bool = False,
 ) -> Answer | None:  # fmt: skip
     """Solve where the rank's share of the rows is above the first, up to the second; else None.
 
-    A step's matrix takes so many multiplications at most, and may be dense.
+    A step's matrix takes so many multiplications at most. Bands, and known bodies, may have any rank.
     """
     if problem.general or problem.facets is not None or (problem.normal_max < np.inf).any():
         return None
     if problem.factor is None and problem.g.size > MOST_ROWS:
         return None
     active = active_contacts(problem)
-    found = find_factor(problem, np.repeat(active, 3), most, dense)
+    found = find_factor(problem, np.repeat(active, 3), most)
     if found is None:
         return None
     factor, structure = found
     rows, rank = factor.shape
-    if (rank > MOST_RANK and not structure.band) or not shares[0] * rows < rank <= shares[1] * rows:
+    band = structure.band > 0
+    free = any_band and (band or problem.factor is not None)
+    if (rank > MOST_RANK and not band) or not (free or shares[0] * rows < rank <= shares[1] * rows):
         return None
     return solve_factored(problem, settings, warm_start, active, factor, structure, long)

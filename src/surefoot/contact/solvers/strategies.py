@@ -9,7 +9,7 @@ ON_BLOCKS, ADMM_AND_NEWTON = "sweeps and newton on blocks", "admm and newton"
 NEWTON_STEPS, POLISH = "newton where its steps are light", "admm near an answer"
 INTERIOR = "interior point, redundant contacts"
 FEW_BODIES, LIGHTEST = "interior point, few bodies", "interior point, lightest steps"
-BAND, LONG_PATH = "interior point, a band", "interior point, a long path"
+MANY, LONG_PATH = "interior point, many contacts", "interior point, a long path"
 LATER = "later rounds of the compiled call"
 """What is tried besides solvers; see `auto`."""
 
@@ -82,8 +82,8 @@ CONES_MORE: dict[str, Plan] = {
 }
 """After the first round of the compiled call on more contacts: a dense iteration of ADMM costs more than a
 sweep on blocks."""
-_FIRST = PlanStage(NEWTON_STEPS, 60), PlanStage(PARTS), PlanStage(BAND)
-_AFTER = PlanStage(NEWTON_STEPS, 100, warm=True), PlanStage(FEW_BODIES), PlanStage(POLISH, 6000)
+_FIRST = PlanStage(NEWTON_STEPS, 60), PlanStage(PARTS), PlanStage(MANY)
+_AFTER = PlanStage(NEWTON_STEPS, 100, warm=True), PlanStage(POLISH, 6000)
 """What comes before and after the first iterations of ADMM: Newton finds the modes of most, and again those
 that ADMM's forces suggest."""
 _LAST: dict[str, Plan] = {
