@@ -1,7 +1,7 @@
-"""Spheres in the air, or at rest in a pit: a step here and in MuJoCo, `python -m benchmarks.many_bodies [COUNT]`.
+"""Spheres in the air, or at rest in a pit: a step here and in MuJoCo.
 
-python -m benchmarks.many_bodies 1000                       # in the air, and the memory they take
-python -m benchmarks.many_bodies 100 --pit --steps 900      # dropped between four walls, the last third judged
+python -m benchmarks.many_bodies 1000                   # in the air, and the memory they take
+python -m benchmarks.many_bodies 100 --pit --steps 900  # dropped between walls, the last third judged
 """
 
 from __future__ import annotations
