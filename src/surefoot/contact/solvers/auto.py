@@ -30,7 +30,6 @@ from surefoot.contact.sets import ContactSet
 from surefoot.contact.solution import Status
 from surefoot.contact.solvers import on_blocks
 from surefoot.contact.solvers import strategies as plans
-from surefoot.contact.solvers.admm import polish
 from surefoot.contact.solvers.compiled import COMPILED_CONTACTS, LATER, attempt
 from surefoot.contact.solvers.infeasibility import find_proof
 from surefoot.contact.solvers.newton_step import FEW
@@ -222,13 +221,6 @@ def look_for_proof(problem: ContactProblem, settings: SolverSettings, best: Floa
     return None if proof is None else Answer(best, 0, Status.INFEASIBLE, proof=proof)
 
 
-def polish_near(problem: ContactProblem, settings: SolverSettings, best: FloatArray) -> Answer | None:
-    """Return forces polished by ADMM under small penalties; None where the best (rows,) are far off."""
-    if worst_of(problem, best) > POSSIBLE:
-        return None
-    return polish(problem, settings, best)
-
-
 def solve_parts(problem: ContactProblem, settings: SolverSettings, best: FloatArray) -> Answer | None:
     """Solve the connected parts one by one, the smallest first; None where there is only one.
 
@@ -289,7 +281,6 @@ LOOKS = {
     plans.LONG_PATH: where_long,
     plans.LIGHTEST: where_lightest,
     plans.LATER: later_rounds,
-    plans.POLISH: polish_near,
 }
 """Stages that look at the problem with the best forces so far: they may end the plan, or have no answer."""
 FUNCTIONS: dict[str, StageFunction] = {

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 PARTS, PROOF = "connected parts apart", "infeasibility proof"
 ON_BLOCKS, ADMM_AND_NEWTON = "sweeps and newton on blocks", "admm and newton"
-NEWTON_STEPS, POLISH = "newton where its steps are light", "admm near an answer"
+NEWTON_STEPS = "newton where its steps are light"
 INTERIOR = "interior point, redundant contacts"
 FEW_BODIES, LIGHTEST = "interior point, few bodies", "interior point, lightest steps"
 MANY, LONG_PATH = "interior point, many contacts", "interior point, a long path"
@@ -83,7 +83,7 @@ CONES_MORE: dict[str, Plan] = {
 """After the first round of the compiled call on more contacts: a dense iteration of ADMM costs more than a
 sweep on blocks."""
 _FIRST = PlanStage(NEWTON_STEPS, 60), PlanStage(PARTS), PlanStage(MANY)
-_AFTER = PlanStage(NEWTON_STEPS, 100, warm=True), PlanStage(POLISH, 6000)
+_AFTER = PlanStage(NEWTON_STEPS, 100, warm=True)
 """What comes before and after the first iterations of ADMM: Newton finds the modes of most, and again those
 that ADMM's forces suggest."""
 _LAST: dict[str, Plan] = {
@@ -97,9 +97,9 @@ _LAST: dict[str, Plan] = {
     "convex": (PlanStage(PROOF), PlanStage(ADMM_AND_NEWTON, 4000, warm=True), PlanStage(PROOF)),
 }
 """What is left for the few that all of it leaves open."""
-CONES_LARGE = {law: (*_FIRST, PlanStage("admm", 1000), *_AFTER, *last) for law, last in _LAST.items()}
+CONES_LARGE = {law: (*_FIRST, PlanStage("admm", 1000), _AFTER, *last) for law, last in _LAST.items()}
 """After sweeps and Newton steps on blocks."""
-CONES_BODIES = {law: (PlanStage("admm", 3000), *_FIRST, *_AFTER, *last) for law, last in _LAST.items()}
+CONES_BODIES = {law: (PlanStage("admm", 3000), *_FIRST, _AFTER, *last) for law, last in _LAST.items()}
 """The same where the bodies are known and few, or contacts over 500: an iteration of ADMM is then as light as
 a sweep, and Newton steps are heavy."""
 PYRAMIDS: dict[str, Plan] = {
