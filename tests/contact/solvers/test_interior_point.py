@@ -117,6 +117,20 @@ def test_a_wall_of_bricks_is_solved(wall: str, step: int) -> None:
     assert found.iterations < 6000
 
 
+@pytest.mark.long
+@pytest.mark.parametrize("known", [True, False])
+def test_a_wall_of_60_bricks_is_solved(known: bool) -> None:
+    """Its path winds for thousands of steps, and nothing else comes below 9e-6."""
+    pytest.importorskip("mujoco")
+    from benchmarks.problems.stacked_scenes import SCENES, steps
+
+    given = next(steps(SCENES["wall of 60"], 1)).problem
+    problem = given if known else sf.ContactProblem(given.G, given.g, given.mu)
+    found = sf.solve(problem, tol=1e-6)
+    assert found.solved
+    assert natural_error(problem, found.forces) <= 1e-4
+
+
 def test_polish_ends_where_it_comes_no_nearer() -> None:
     problem = sheet(20, 6)
     good = sf.solve(problem, "auto", 1e-10).raise_if_failed().forces
