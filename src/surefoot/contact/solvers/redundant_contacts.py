@@ -61,9 +61,9 @@ def where_many(
 def where_light(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None, long: bool = False
 ) -> Answer | None:
-    """Solve a problem of few bodies whose steps are light, a warm start as `solve_interior`; else None.
+    """Solve a problem of few bodies whose steps are light, by a long path or by all else; else None.
 
-    By a long path or by all else.
+    A warm start is (n, 3) as `solve_interior`.
     """
     if not few_bodies(problem):
         return None
