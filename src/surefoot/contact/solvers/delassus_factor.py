@@ -115,16 +115,17 @@ def find_factor(
     one.
     """
     factor = None if problem.factor is None else problem.factor[rows]
-    if factor is None and problem.g.size >= SPARSE_FROM:
+    known = factor is not None
+    if not known and problem.g.size >= SPARSE_FROM:
         factor = sparse_factor(problem, rows)
-        # the pivots of a dense one leave less rounding
-        factor = factor if factor is not None and find_structure(factor).band else None
-    if factor is None:
+    structure = None if factor is None else find_structure(factor)
+    # of what is no band the pivots of a dense one leave less rounding
+    if structure is None or not (known or structure.band):
         if problem.g.size * likely_rank(problem) ** 2 > most:
             return None
         G = problem.G if rows.all() else problem.G[np.ix_(rows, rows)]
         lower, order, rank, _ = scipy.linalg.lapack.dpstrf(G, lower=1)
         factor = np.empty((len(G), rank))
         factor[order - 1] = np.tril(lower[:, :rank])
-    structure = find_structure(factor)
+        structure = find_structure(factor)
     return None if structure.work > most else (factor, structure)

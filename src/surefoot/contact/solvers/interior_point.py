@@ -39,12 +39,7 @@ from surefoot.contact.solvers.central_step import Iterate, fill_residual
 from surefoot.contact.solvers.delassus_factor import find_factor
 from surefoot.contact.solvers.on_blocks import admm_and_newton
 from surefoot.contact.solvers.reduced_system import ReducedSystem, Structure
-from surefoot.contact.solvers.solver import (
-    Answer,
-    SolverSettings,
-    nearest_to_zero,
-    register,
-)
+from surefoot.contact.solvers.solver import Answer, SolverSettings, nearest_to_zero, register
 from surefoot.contact.solvers.step_memory import StepMemory, Turning
 from surefoot.contact.solvers.stopping import fill_measure, velocity_error
 

@@ -12,13 +12,13 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.problem.redundancy import few_bodies, likely_rank
-from surefoot.contact.solvers.delassus_factor import find_factor
+from surefoot.contact.solvers.delassus_factor import MOST_ROWS, find_factor
 from surefoot.contact.solvers.interior_point import active_contacts, solve_factored
 from surefoot.contact.solvers.newton_step import FEW
 from surefoot.contact.solvers.solver import Answer, SolverSettings
 
-MOST_RANK, MOST_ROWS, REDUNDANT, FEW_BODIES = 450, 2000, 0.75, 0.4
-"""Rank and rows of G where the bodies are not known, and the rank's share of the rows, up to which
+MOST_RANK, REDUNDANT, FEW_BODIES = 450, 0.75, 0.4
+"""Rank of G where its factor is dense, and the rank's share of the rows, up to which
 `where_redundant` tries: each iteration has a dense factor, and problems of full rank defeat the method.
 Up to the last share, of walls, it comes early: Newton steps they defeat."""
 LONG, LIGHT, LIGHTEST = 1e8, 3e7, 1e6
@@ -77,7 +77,7 @@ def where_long(
 
     It takes ten seconds of a wall of 60 bricks, which nothing else solves.
     """
-    return None if problem.law.shift == 0.0 else where_light(problem, settings, warm_start, True)
+    return where_light(problem, settings, warm_start, True)
 
 
 def where_lightest(
