@@ -19,6 +19,7 @@ from .identification.thrown_body import ThrownBody as ThrownBody
 from .identification.thrown_body import TossParameter as TossParameter
 from .identification.toss_model import FRICTION as FRICTION
 from .identification.toss_model import ROUNDING as ROUNDING
+from .identification.toss_model import TossModel as TossModel
 from .identification.toss_model import TossScene as TossScene
 from .identification.toss_model import in_plane as in_plane
 from .identification.toss_model import in_world as in_world

@@ -10,11 +10,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from benchmarks.problems.tosses import ELBOW
+from surefoot.base.errors import ProblemError
 from surefoot.records.identification.ground_plane import GroundPlane
 from surefoot.records.identification.thrown_body import ThrownBody, cube_body, thrown_body
 from surefoot.records.identification.toss_model import ThrownModel, TossModel, TossScene
 from surefoot.records.identification.tosses import Cube
-from surefoot.worlds.experiments.tosses import RIVALS
+from surefoot.worlds.experiments.tosses import RIVALS, MujocoBody
+from surefoot.worlds.experiments.tosses import rival as known
 
 STIFF = {"mujoco": [0.2, 0.004, 1.0, 0.95, 0.99]}
 
@@ -36,7 +38,7 @@ def scene(
 
 def rival(name: str) -> TossModel:
     pytest.importorskip(name)
-    return RIVALS[name]()
+    return known(name)
 
 
 @pytest.mark.parametrize("name", RIVALS)
@@ -51,6 +53,21 @@ def test_free_flight_is_the_same(name: str) -> None:
     assert (np.abs(theirs[:, 2] - ours[:, 2]) <= 0.6 * 9.7 * t * 1e-3 + 1e-12).all()
     turned = Rotation.from_quat(theirs[:, 3:]) * Rotation.from_quat(ours[:, 3:]).inv()
     assert turned.magnitude().max() < 0.01
+
+
+@pytest.mark.parametrize("name", ["rigid", "mujoco"])
+def test_threads_change_no_pose(name: str) -> None:
+    values = np.array(STIFF.get(name, [0.2, 0.3, 0.001]))
+    turns = Rotation.random(40, rng=0).as_quat()
+    given = scene(*([0.0, 0.0, 0.1, *turn, 1.0, 0.0, 0.0, 5.0, -3.0, 2.0] for turn in turns.tolist()))
+    if name == "rigid":
+        one, many = ThrownModel(), ThrownModel(threads=3)
+    else:
+        pytest.importorskip(name)
+        one, many = MujocoBody(), MujocoBody(threads=3)
+    np.testing.assert_array_equal(one.rollout(values, given), many.rollout(values, given))
+    with pytest.raises(ProblemError, match="threads"):
+        ThrownModel(threads=0)
 
 
 @pytest.mark.parametrize("name", RIVALS)

@@ -17,7 +17,8 @@ from surefoot.app.cli.console import fit_table, progress_bar, say, show, table
 from surefoot.app.cli.extras import draw_into
 from surefoot.app.cli.output import check_out
 from surefoot.base.arrays import whole_number
-from surefoot.base.errors import ProblemError, check_name
+from surefoot.base.cores import cores
+from surefoot.base.errors import ProblemError
 
 if TYPE_CHECKING:  # the other commands need no compiled code
     from rich.console import Console
@@ -54,7 +55,9 @@ def identify(
     folds: Annotated[int, typer.Option(help="Parts of a cross-validation of all tosses; 0 for none.")] = 0,
     resamples: Annotated[int, typer.Option(help="Bootstrap samples behind the 95 % intervals.")] = 1000,
     seed: Annotated[int, typer.Option(help="Of the resampling and of the points tried.")] = 0,
-    jobs: options.Jobs = None,
+    jobs: Annotated[
+        int | None, typer.Option(min=1, help="Threads that simulate, or processes for folds; all cores.")
+    ] = None,
     out: options.PictureOut = Path("runs"),
     picture: options.Picture = True,
     as_json: options.AsJson = False,
@@ -74,9 +77,9 @@ def identify(
     check_out(out if picture or folds else None)
     whole_number("--seed", seed)
     whole_number("--resamples", resamples, low=20)
-    recorded, others = _read_both(tosses, test, folds, jobs)
+    recorded, others = _read_both(tosses, test, folds)
     laws = list(dict.fromkeys(law or ["rigid"]))
-    models = _models(laws, rivals, test is not None or folds > 0)
+    models = _models(laws, rivals, test is not None or folds > 0, 1 if folds else jobs or cores())
     settings: dict[str, Any] = {"model": model, "resamples": resamples, "seed": seed}
     if folds:
         from surefoot.app.cli.identify_folds import identify_folds
@@ -90,12 +93,10 @@ def identify(
     return 0
 
 
-def _read_both(tosses: Path, test: Path | None, folds: int, jobs: int | None) -> tuple[Tosses, Tosses | None]:
+def _read_both(tosses: Path, test: Path | None, folds: int) -> tuple[Tosses, Tosses | None]:
     """Return the tosses to fit and the others, of the same cube."""
     from surefoot.records.identification.tosses import read_tosses
 
-    if jobs is not None and not folds:
-        raise ProblemError("--jobs are processes that judge folds: it goes with --folds")
     if folds and test is not None:
         raise ProblemError("--folds judges every toss: --test is for a fit to all of them")
     recorded = read_tosses(tosses)
@@ -111,18 +112,17 @@ def _draw(recorded: Tosses, others: Tosses | None, fits: dict[str, TossFit], fol
     return draw_tosses(recorded, others, fits, folder / "tosses.png")
 
 
-def _models(laws: list[str], names: str, testing: bool) -> list[Any]:
-    """Return the model of each law and of each rival."""
+def _models(laws: list[str], names: str, testing: bool, threads: int) -> list[Any]:
+    """Return the model of each law and of each rival; those that can, share tosses among threads."""
     from surefoot.records.identification.toss_model import ThrownModel
-    from surefoot.worlds.experiments.tosses import RIVALS
+    from surefoot.worlds.experiments.tosses import RIVALS, rival
 
     if names == NAMED:
         wanted = [name for name in RIVALS if testing and find_spec(name)]
     else:
         wanted = [] if names == "none" else [name.strip() for name in names.split(",")]
-    for name in wanted:
-        check_name("rival", name, RIVALS)
-    return [*map(ThrownModel, laws), *(RIVALS[name]() for name in dict.fromkeys(wanted))]
+    own = [ThrownModel(name, threads=threads) for name in laws]
+    return [*own, *(rival(name, threads) for name in dict.fromkeys(wanted))]
 
 
 def _fits(recorded: Tosses, simulators: list[Any], settings: dict[str, Any], bar: bool) -> dict[str, TossFit]:

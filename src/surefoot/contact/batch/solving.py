@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import astuple, dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -23,6 +21,7 @@ from surefoot.base.arrays import (
     real_number,
     whole_number,
 )
+from surefoot.base.cores import in_ranges
 from surefoot.base.drawn import Drawn
 from surefoot.base.errors import ProblemError, check_name, count_of, located
 from surefoot.contact.batch.derivative import BatchDerivative
@@ -42,8 +41,6 @@ SMALL = 128
 """Problems up to which one thread does it: waking others takes longer."""
 MOST = 10_000
 """Sweeps and Newton steps of a problem, all methods together, as of a `ContactSolver`."""
-SHARES = 8
-"""Pieces per thread that a batch is cut into, so that hard problems do not hold up the rest."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -146,7 +143,7 @@ def solve_batch(
     if warm_start is not None:
         buffers[:, :n] = finite_array("warm_start", warm_start, (B, n, 3))
     limit, warm = SINGLE_ASYMMETRY if single else ASYMMETRY, warm_start is not None
-    run = partial(in_ranges, count=B, threads=workers)
+    run = partial(in_ranges, count=B, threads=workers if B > SMALL else 1)
     run(lambda a, b: solve_range(matrices, free, laws, convex, limit, tol, MOST, warm, buffers, done, a, b))
     status, valid = np.full(B, Status.SOLVED, dtype=object), done >= 0
     for b in np.flatnonzero(done < 0).tolist():
@@ -180,16 +177,6 @@ def _solve_rest(
     buffer[:] = record_of(found.forces, found.velocities, astuple(found.residuals))
     done[b] = used + found.iterations
     return found.status
-
-
-def in_ranges(work: Callable[[int, int], None], count: int, threads: int) -> None:
-    """Run `work(start, stop)` over 0 to count, in pieces on threads."""
-    if threads == 1 or count <= SMALL:
-        work(0, count)
-        return
-    edges = np.linspace(0, count, min(threads * SHARES, count // 16) + 1).astype(int).tolist()
-    with ThreadPoolExecutor(threads) as pool:
-        list(pool.map(work, edges[:-1], edges[1:]))  # what one raises is raised here
 
 
 def _read(G: ArrayLike, g: ArrayLike) -> tuple[FloatArray, FloatArray, bool]:

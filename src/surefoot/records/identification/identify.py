@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -141,7 +142,7 @@ def _find_body(
     tosses: Tosses, body: ThrownBody, simulator: TossModel, draws: FloatArray, tick: Callable[[float], None]
 ) -> BodyFit:
     """Identify a body by the rigid law, in as many steps as the simulator takes if it is of this package."""
-    first = ThrownModel(steps=simulator.steps if isinstance(simulator, ThrownModel) else None)
+    first = replace(simulator, law="rigid") if isinstance(simulator, ThrownModel) else ThrownModel()
     return identify_body(tosses, body, first, draws, tick, find_levelled(tosses, body))
 
 

@@ -23,14 +23,19 @@ import math
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
-from surefoot.base.kernels import inline_kernel, kernel, releasing_kernel
-from surefoot.base.numerics.vectors import advance, dot
+from surefoot.base.kernels import borrowed, inline_kernel, keep, kernel, releasing_kernel
+from surefoot.base.numerics.vectors import advance
 from surefoot.records.identification.thrown_body_impact import CLOSED, exchange
 from surefoot.records.identification.thrown_body_tree import (
     FallingBody,
     Placed,
+    borrow_body,
+    borrow_work,
+    climb,
     dynamics,
+    link_velocities,
     place,
+    place_spheres,
     point_rows,
     solve_mass,
     work_arrays,
@@ -85,85 +90,85 @@ def move(q: FloatArray, v: FloatArray, t: float) -> None:
 
 
 @inline_kernel
-def _arrival(rows: FloatArray, gaps: FloatArray, v: FloatArray, drop: float, t: float) -> float:
+def _arrival(body: FallingBody, at: Placed, v: FloatArray, drop: float, t: float) -> float:
     """Return when the first open sphere reaches the plane, t if none does before.
 
     Its path is taken as a parabola with the acceleration -drop; rotation bends it by less than `CLOSED` in a
     millisecond.
     """
     first = t
-    for k in range(gaps.size):
-        if gaps[k] > CLOSED:
+    link_velocities(body, at, v)
+    for k in range(at.gaps.size):
+        gap = at.gaps[k]
+        if gap > CLOSED:
             # First root of gap + u t - drop t² / 2 = 0 as 2 gap / (-u + sqrt(u² + 2 drop gap)): nothing
             # cancels, and a drop of zero needs no case of its own.
-            speed = dot(rows[k], v)
-            root = speed * speed + 2.0 * drop * gaps[k]
+            speed = climb(body, at, k)
+            root = speed * speed + 2.0 * drop * gap
             if root >= 0.0:
                 divisor = -speed + math.sqrt(root)
-                if divisor > 0.0 and 2.0 * gaps[k] < divisor * first:
-                    first = 2.0 * gaps[k] / divisor
+                if divisor > 0.0 and 2.0 * gap < divisor * first:
+                    first = 2.0 * gap / divisor
     return first
 
 
-@kernel
-def _push(
-    body: FallingBody, at: Placed, v: FloatArray, law: FloatArray, t: float, calm: float, after: FloatArray,
-) -> tuple[int, bool]:  # fmt: skip
-    """Fill the velocity after a time t under forces and impulses; return the contacts, and if solved."""
+@inline_kernel
+def _fly(
+    body: FallingBody, at: Placed, gravity: FloatArray, q: FloatArray, v: FloatArray, t: float,
+    middle: FloatArray, after: FloatArray,
+) -> None:  # fmt: skip
+    """Move q and v by a time t without contacts, by the midpoint rule."""
+    _free(body, at, v, 0.5 * t, after)
+    middle[:] = q
+    move(middle, v, 0.5 * t)
+    place(body, middle, at)
+    dynamics(body, at, after, gravity)
+    move(q, after, t)
     _free(body, at, v, t, after)
-    count, near = 0, np.empty(at.gaps.size, dtype=np.int64)
-    for k in range(at.gaps.size):
-        # Open spheres take no part: the piece ends where the first of them arrives.
-        if at.gaps[k] <= CLOSED:
-            near[count] = k
-            count += 1
-    if count == 0:
-        return 0, True
-    J = np.empty((3 * count, v.size))
-    for i in range(count):
-        point_rows(body, at, body.links[near[i]], at.x[near[i]], J[3 * i : 3 * i + 3], at.Jw)
-    return count, exchange(law, J, at.M, at.gaps, near[:count], t, calm, v, after)
+    v[:] = after
 
 
 @kernel
 def step(
     body: FallingBody, law: FloatArray, gravity: FloatArray, q: FloatArray, v: FloatArray, dt: float,
-    at: Placed, middle: FloatArray, after: FloatArray, rows: FloatArray,
+    at: Placed, middle: FloatArray, after: FloatArray, near: IntArray,
 ) -> tuple[int, bool]:  # fmt: skip
     """Move q and v by dt; return the contacts at the end, and whether all contact problems were solved.
 
-    Memory: `middle` (nq,), `after` (nv,) and `rows` (k, nv).
+    Memory: `middle` (nq,), `after` (nv,) and `near` (k,).
     """
     left, count, solved, calm = dt, 0, True, 2.0 * dt * abs(gravity[2])
     for number in range(ARRIVALS):
         place(body, q, at)
+        place_spheres(body, at)
         dynamics(body, at, v, gravity)
-        for k in range(rows.shape[0]):
-            point_rows(body, at, body.links[k], at.x[k], at.Jc, at.Jw)
-            rows[k] = at.Jc[2]
-        # what the velocity would be at the end; end the step where a sphere arrives
+        count = 0
+        for k in range(at.gaps.size):
+            # Open spheres take no part: the piece ends where the first of them arrives.
+            if at.gaps[k] <= CLOSED:
+                near[count] = k
+                count += 1
         t = left
-        count, good = _push(body, at, v, law, t, calm, after)
-        if number < ARRIVALS - 1:
-            # In the air the arrival is that of a parabola from v; with contacts the velocity after the
-            # impulses holds over the whole piece (semi-implicit Euler), and the arrival is on a straight
-            # line.
-            drop = -gravity[2] if count == 0 else 0.0
-            t = _arrival(rows, at.gaps, v if count == 0 else after, drop, left)
-            if t < left and count > 0:
-                count, good = _push(body, at, v, law, t, calm, after)
-        solved = solved and good
-        if count == 0:  # the midpoint rule
-            _free(body, at, v, 0.5 * t, after)
-            middle[:] = q
-            move(middle, v, 0.5 * t)
-            place(body, middle, at)
-            dynamics(body, at, after, gravity)
-            move(q, after, t)
-            _free(body, at, v, t, after)
+        if count == 0:
+            if number < ARRIVALS - 1:
+                t = _arrival(body, at, v, -gravity[2], left)
+            _fly(body, at, gravity, q, v, t, middle, after)
         else:
+            J = np.empty((3 * count, v.size))
+            for i in range(count):
+                point_rows(body, at, body.links[near[i]], at.x[near[i]], J[3 * i : 3 * i + 3])
+            _free(body, at, v, left, after)
+            good = exchange(law, J, at.M, at.gaps, near[:count], left, calm, v, after)
+            if number < ARRIVALS - 1:
+                # The velocity after the impulses holds over the whole piece (semi-implicit Euler): what
+                # arrives does so on a straight line, and ends the piece.
+                t = _arrival(body, at, after, 0.0, left)
+                if t < left:
+                    _free(body, at, v, t, after)
+                    good = exchange(law, J, at.M, at.gaps, near[:count], t, calm, v, after)
+            solved = solved and good
             move(q, after, t)
-        v[:] = after
+            v[:] = after
         # Pieces that rounding leaves over have no length worth a contact problem.
         left -= t
         if left <= 1e-9 * dt:
@@ -183,7 +188,7 @@ def throw(
     body
         What is thrown.
     law
-        See `falling_impact`.
+        See `thrown_body_impact`.
     gravity
         (3,) [m/s²].
     starts
@@ -197,9 +202,12 @@ def throw(
         (sum of frames, nq) of every frame, throw after throw.
     """
     nq = 6 + body.masses.size
-    nv, k, at = nq - 1, body.radii.size, work_arrays(body)
-    middle, after, rows = np.empty(nq), np.empty(nv), np.empty((k, nv))
-    q, v = np.empty(nq), np.empty(nv)
+    nv, k, work = nq - 1, body.radii.size, work_arrays(body)
+    near, places, speeds = np.empty(k, dtype=np.int64), np.empty((2, nq)), np.empty((2, nv))
+    own, at, close, law, gravity = (
+        borrow_body(body), borrow_work(work), borrowed(near), borrowed(law), borrowed(gravity),
+    )  # fmt: skip
+    q, middle, v, after = borrowed(places)[0], borrowed(places)[1], borrowed(speeds)[0], borrowed(speeds)[1]
     row, failed = 0, 0
     for b in range(starts.shape[0]):
         q[:], v[:] = starts[b, :nq], starts[b, nq:]
@@ -211,11 +219,12 @@ def throw(
                 for _ in range(steps):
                     # Three contacts hold a body: one that is at rest on them for two steps stays, and the
                     # rest of its frames cost nothing.
-                    count, solved = step(body, law, gravity, q, v, dt / steps, at, middle, after, rows)
+                    count, solved = step(own, law, gravity, q, v, dt / steps, at, middle, after, close)
                     failed += not solved
                     calm = calm + 1 if count >= 3 and np.abs(v).max() < ASLEEP else 0
                     if calm == 2:
                         break
             poses[row] = q
         row += 1
+    keep(work), keep(near), keep(places), keep(speeds)
     return failed

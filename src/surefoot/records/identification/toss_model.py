@@ -10,6 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from surefoot.base.arrays import FloatArray, IntArray, whole_number
+from surefoot.base.cores import in_ranges
 from surefoot.base.errors import check_name
 from surefoot.records.identification import thrown_body_impact as layout
 from surefoot.records.identification.ground_plane import GroundPlane
@@ -92,6 +93,8 @@ class ThrownModel:
         A name of `LAWS`.
     steps
         Steps between frames; None for as many as keep a step within two milliseconds.
+    threads
+        Among which the tosses are shared; poses do not depend on it.
 
     Raises
     ------
@@ -101,9 +104,11 @@ class ThrownModel:
 
     law: str = "rigid"
     steps: int | None = None
+    threads: int = 1
 
     def __post_init__(self) -> None:
         check_name("contact law", self.law, LAWS)
+        whole_number("threads", self.threads, low=1)
         if self.steps is not None:
             whole_number("steps", self.steps, low=1)
 
@@ -127,9 +132,15 @@ class ThrownModel:
                 law[slot] = value
         tree = scene.body.rounded(rounding)
         gravity, starts = in_plane(scene)
-        poses = np.empty((int(scene.frames.sum()), 6 + tree.masses.size))
+        frames, ends = scene.frames, np.append(0, np.cumsum(scene.frames))
+        poses = np.empty((int(ends[-1]), 6 + tree.masses.size))
         steps = self.steps or max(1, math.ceil(scene.dt / LONGEST_STEP - 1e-9))
-        throw(tree, law, gravity, starts, scene.frames, scene.dt, steps, poses)
+
+        def work(a: int, b: int) -> None:
+            own = poses[ends[a] : ends[b]]
+            throw(tree, law, gravity, starts[a:b], frames[a:b], scene.dt, steps, own)
+
+        in_ranges(work, len(starts), self.threads)
         return in_world(poses, scene)
 
 

@@ -8,10 +8,21 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from surefoot.base.arrays import FloatArray
+from surefoot.base.arrays import FloatArray, whole_number
+from surefoot.base.cores import in_ranges
+from surefoot.base.errors import check_name
 from surefoot.base.spatial import quaternion_wxyz, quaternion_xyzw
 from surefoot.mechanics import Solid
-from surefoot.records import FRICTION, ROUNDING, ThrownBody, TossParameter, TossScene, in_plane, in_world
+from surefoot.records import (
+    FRICTION,
+    ROUNDING,
+    ThrownBody,
+    TossModel,
+    TossParameter,
+    TossScene,
+    in_plane,
+    in_world,
+)
 from surefoot.worlds.drake.drake_python import Worker
 from surefoot.worlds.drake.drake_world import STICTION, WORKER
 from surefoot.worlds.mujoco.spec import import_mujoco
@@ -35,6 +46,11 @@ _MODEL = """
 class MujocoBody:
     """MuJoCo's soft contact: elliptic cones, Newton's method, steps of a millisecond.
 
+    Parameters
+    ----------
+    threads
+        Among which the tosses are shared; poses do not depend on it.
+
     Raises
     ------
     MissingExtra
@@ -50,29 +66,34 @@ class MujocoBody:
         TossParameter("solimp_most", 0.95, 0.01, 0.6, 0.999),
     )
 
-    def __init__(self) -> None:
+    def __init__(self, threads: int = 1) -> None:
         self._mujoco: Any = import_mujoco()
+        self._threads = whole_number("threads", threads, low=1)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return MujocoBody, ()
+        return MujocoBody, (self._threads,)
 
     def rollout(self, values: FloatArray, scene: TossScene) -> FloatArray:
         """Return (sum of frames, nq) positions [m], quaternions and joints."""
         steps = max(1, math.ceil(scene.dt / LONGEST_STEP - 1e-9))
         model = self._mujoco.MjModel.from_xml_string(_MODEL.format(**_settings(values, scene, steps)))
-        data, nq = self._mujoco.MjData(model), int(model.nq)
-        poses, row = np.empty((int(scene.frames.sum()), nq)), 0
-        spins = scene.starts[:, nq + 3 : nq + 6]
-        to_body = Rotation.from_quat(scene.starts[:, 3:7]).inv().apply(spins)
-        for start, rate, frames in zip(scene.starts, to_body, scene.frames, strict=True):
-            self._mujoco.mj_resetData(model, data)
-            data.qpos[:], data.qvel[:] = start[:nq], start[nq:]
-            data.qpos[3:7], data.qvel[3:6] = quaternion_wxyz(start[3:7]), rate
-            poses[row] = data.qpos
-            for k in range(row + 1, row + frames):
-                self._mujoco.mj_step(model, data, steps)
-                poses[k] = data.qpos
-            row += frames
+        nq, ends = int(model.nq), np.append(0, np.cumsum(scene.frames))
+        poses, starts = np.empty((int(ends[-1]), nq)), scene.starts.copy()
+        turns, rates = starts[:, 3:7], starts[:, nq + 3 : nq + 6]
+        rates[:] = Rotation.from_quat(turns).inv().apply(rates)
+        turns[:] = quaternion_wxyz(turns)
+
+        def work(a: int, b: int) -> None:
+            data = self._mujoco.MjData(model)
+            for i in range(a, b):
+                self._mujoco.mj_resetData(model, data)
+                data.qpos[:], data.qvel[:] = starts[i, :nq], starts[i, nq:]
+                poses[ends[i]] = data.qpos
+                for k in range(ends[i] + 1, ends[i + 1]):
+                    self._mujoco.mj_step(model, data, steps)
+                    poses[k] = data.qpos
+
+        in_ranges(work, len(starts), self._threads)
         poses[:, 3:7] = quaternion_xyzw(poses[:, 3:7])
         return poses
 
@@ -196,3 +217,9 @@ def _drake_joint(body: ThrownBody, i: int) -> dict[str, Any]:
 
 RIVALS: dict[str, Any] = {one.name: one for one in (MujocoBody, DrakeBody)}
 """Rivals by name, which is that of the simulator's package as well: what `--rivals` chooses from."""
+
+
+def rival(name: str, threads: int = 1) -> TossModel:
+    """Return a rival; MuJoCo's shares tosses among threads, Drake's has one process of its own."""
+    check_name("rival", name, RIVALS)
+    return MujocoBody(threads) if name == MujocoBody.name else DrakeBody()
