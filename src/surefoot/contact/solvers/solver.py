@@ -11,6 +11,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, finite_array, of_kind, real_number, whole_number
+from surefoot.base.blas_threads import light_blas
 from surefoot.base.errors import ProblemError, SolverNotFound, unknown_name
 from surefoot.base.kernels import working_time
 from surefoot.base.lazy_table import LazyTable
@@ -236,14 +237,15 @@ def solve(
     else:
         remaining = None if max_iterations is None else max_iterations - before
         left = max(end - working_time(), 0.0)
-        with np.errstate(all="ignore"):  # the certificate says what became of it
+        # the certificate says what became of it
+        with np.errstate(all="ignore"), light_blas(problem.g.size):
             answer = entry.function(problem, SolverSettings(tol, remaining, left), warm_start)
     answer = answer._replace(iterations=before + answer.iterations)
     found = certify(problem, answer, entry.name, tol, _clock() - start)
     left = end - working_time()
     if found.status not in GAVE_UP or entry.proves or left <= 0.0:
         return found
-    with np.errstate(all="ignore"):
+    with np.errstate(all="ignore"), light_blas(problem.g.size):
         proof = find_proof(problem, left)
     if proof is not None:
         return certify(problem, answer._replace(proof=proof), entry.name, tol, _clock() - start)
