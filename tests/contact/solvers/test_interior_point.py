@@ -7,7 +7,7 @@ import pytest
 
 import surefoot as sf
 from surefoot.contact.solvers import auto, interior_point, strategies
-from surefoot.contact.solvers.admm import polish
+from surefoot.contact.solvers.polish import polish
 from surefoot.contact.solvers.redundant_contacts import where_redundant
 from surefoot.contact.solvers.solver import SolverSettings
 

@@ -105,8 +105,9 @@ def test_the_path_that_equal_shares_lose_is_followed_with_unequal_ones() -> None
     found = find_factor(problem, np.repeat(active, 3))
     assert found is not None
     run = interior_point._Run(problem, active, 1e-6, 9000, np.inf, *found)
-    run._follow_unequally(run._start(1.0), interior_point.MOST_UNEQUAL, interior_point.POLISH_FROM)
-    assert run._end()
+    start = run._start(1.0)
+    run._follow_unequally(start, interior_point.MOST_UNEQUAL, interior_point.POLISH_FROM)
+    assert run._end(start)
     assert run.error <= 1e-6
 
 

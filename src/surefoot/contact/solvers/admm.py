@@ -50,9 +50,6 @@ SPARSE_BELOW = 0.2
 LARGEST, FIRST, PROXIMAL = 3.0, 0.1, 1e-9
 """About the largest eigenvalue of G over its mean; the first penalty and the proximal term over that."""
 RELAXATION = 1.6
-POLISH, POLISH_EVERY, POLISH_IDLE, POLISH_NEAR = (1e-2, 3e-3, 3e-2), 50, 12, 1e-6
-"""Penalties near an answer, over the largest eigenvalue of G; iterations between two looks at the error, how
-many in turn may not halve it, and the error below which the penalties after the first are tried."""
 FINISH_FROM, FINISH_GROWTH = 2, 1.5
 """Looks after which something else may try to finish, and by how much later each time."""
 
@@ -262,7 +259,7 @@ def solve_admm(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     size, tol = scaled.g.size, settings.tol
     if size > 3 * LARGE:
         return run_admm(scaled, settings, warm_start)
-    s, limit = Splitting(scaled, warm_start), _limit(settings)
+    s, limit = Splitting(scaled, warm_start), limit_of(settings)
     end = working_time() + settings.max_time
     # state[1] = 0: no inverse yet. After state[3] iterations the penalty stays,
     # without which ADMM need not converge
@@ -291,7 +288,7 @@ def run_admm(
     finish: Finish | None = None,
 ) -> Answer:
     """Run ADMM from (rows,) forces, any unit; after a while, then ever less often, `finish` may try."""
-    s, limit = Splitting(scaled, warm_start), _limit(settings)
+    s, limit = Splitting(scaled, warm_start), limit_of(settings)
     end = working_time() + settings.max_time
     every = CHECK_MANY if scaled.problem.contacts > LARGE else CHECK_EVERY
     shape, rho, used = scaled.problem.shape, s.rho, 0.0
@@ -323,35 +320,8 @@ def run_admm(
     return Answer(best.reshape(shape), done)
 
 
-def polish(problem: ContactProblem, settings: SolverSettings, forces: FloatArray) -> Answer:
-    """Iterate from forces (n, 3) near an answer, with one penalty at a time, until they come no nearer.
-
-    Near an answer the modes of most contacts are right, and the velocities that the others lack converge fast
-    under a small penalty, which from far away would wander.
-    """
-    scaled = ScaledContacts(problem)
-    limit, end = _limit(settings), working_time() + settings.max_time
-    best, least, done = start_forces(problem, forces) / scaled.D, math.inf, 0
-    for penalty in POLISH:
-        s = Splitting(scaled, (best * scaled.D).reshape(problem.shape))
-        least, looks = scaled.measure(best)[1], 0
-        aim, run = 0.5 * least, s.iterations(penalty * s.largest)
-        while done < limit and least > settings.tol and looks < POLISH_IDLE and working_time() < end:
-            now = min(POLISH_EVERY, limit - done)
-            run(now)
-            done += now
-            error = scaled.measure(s.z)[1]
-            if error < least:
-                best, least = s.z.copy(), error
-            looks += 1
-            if least < aim:
-                aim, looks = 0.5 * least, 0
-        if least <= settings.tol or least > POLISH_NEAR or done >= limit:
-            break
-    return Answer((best * scaled.D).reshape(problem.shape), done)
-
-
-def _limit(settings: SolverSettings) -> int:
+def limit_of(settings: SolverSettings) -> int:
+    """Return the iterations that ADMM may take."""
     return MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations
 
 

@@ -34,10 +34,11 @@ from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.kernels import working_time
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.solution import Status
-from surefoot.contact.solvers.admm import polish
 from surefoot.contact.solvers.central_step import Iterate, fill_residual
 from surefoot.contact.solvers.delassus_factor import find_factor
+from surefoot.contact.solvers.mixing import Mixing
 from surefoot.contact.solvers.on_blocks import admm_and_newton
+from surefoot.contact.solvers.polish import polish
 from surefoot.contact.solvers.reduced_system import ReducedSystem, Structure
 from surefoot.contact.solvers.solver import Answer, SolverSettings, nearest_to_zero, register
 from surefoot.contact.solvers.step_memory import StepMemory, Turning
@@ -52,9 +53,10 @@ STARTS = (1.0, 3.0, 10.0, 0.3)
 """First normal forces, over what stops each contact's speed: where one leads nowhere, the next is tried."""
 LEAST, AHEAD = 0.3, 10.0
 """Least centring while the residual is so many times the gap, over their scales: else the gap ends first."""
-POLISH_FROM, NEAR, COARSE, MOST_POLISH = 1e-5, 1e-3, 3e-5, 6000
+POLISH_FROM, NEAR, COARSE, SHORT_POLISH, MOST_POLISH = 1e-5, 1e-3, 3e-5, 800, 6000
 """Velocity error at which the path is left to polish what it found, that below which other forces are
-polished, the tolerance from which on no turn of the path is followed, and iterations of a polish."""
+polished, the tolerance from which on no turn of the path is followed, and iterations of a polish: of the
+first one, and of one after a shift was held."""
 POLISHED = 1e-7
 """Velocity error from which on no other start leads nearer."""
 SHORT, IDLE = 0.1, 3
@@ -76,9 +78,9 @@ WORSE = 3
 """Iterations that leave more of a held program's error than its best, after which rounding has taken over."""
 OWN_SHIFT = np.empty(0)
 """In place of a shift: that of the point itself."""
-HELPED, IDLE_SHIFTS, DEPTH = 0.5, 2, 4
-"""Share of the error that a new shift has to leave at most, how many in turn may leave more, and the shifts
-from which the next one is found."""
+HELPED, IDLE_SHIFTS, DEPTH = 0.5, 2, 3
+"""Share of the error that a new shift has to leave at most, how many in turn may leave more, and how many
+differences of them are mixed to find the next one."""
 
 
 @register("interior_point", bounds=False)
@@ -175,20 +177,30 @@ class _Run:
         # a coarse answer is reached sooner where the shift is held than beyond the path's turns
         if coarse and (self._hold(first) or self._follow(self.path[-1][1], MOST_TURNING)):
             return True
-        if self._end():
+        if self._end(first):
             return True
+        near = self.error <= NEAR
         if unequally and not self._over():
             self._follow_unequally(first, min(MOST_UNEQUAL, self.most_long), POLISH_FROM)
-            if self.error <= self.tol or self._end():
+            if self.error <= self.tol or self._end(first):
                 return True
-        return not coarse and (self._hold(first) or self._polish())
+        return not coarse and not near and (self._hold(first) or self._polish())
 
-    def _end(self) -> bool:
-        """Polish what a path led to, near an answer again from its very end; tell whether it is solved."""
-        if self._polish():
+    def _end(self, first: Iterate) -> bool:
+        """Go on from where a path led near an answer; tell whether the problem is solved.
+
+        To its very end, and from there by a polish; where that comes to rest, mostly an active set that is
+        not the answer's, by holding the shift that the path had found.
+        """
+        error, near = self._error(self.last), self.last
+        if error > NEAR:
+            return False
+        if error <= POLISH_FROM and self._follow(self.path[-1][1], 0, 0.0):
             return True
-        near = self._error(self.last) <= POLISH_FROM
-        return near and (self._follow(self.path[-1][1], 0, 0.0) or self._polish())
+        if self._polish(SHORT_POLISH):
+            return True
+        self.last = near
+        return self._hold(first) or self._polish()
 
     def go_long(self) -> None:
         """Follow a path with unequal shares as far as it goes, and go on by ADMM and Newton from there.
@@ -230,12 +242,12 @@ class _Run:
         """Tell whether iterations or time are spent."""
         return self.done >= self.most or working_time() > self.end
 
-    def _polish(self) -> bool:
+    def _polish(self, most: int = MOST_POLISH) -> bool:
         """Polish the forces found last if they are near an answer; tell whether the problem is solved.
 
         Others may be nearer, where a polish came to rest before.
         """
-        return self.tol < self._error(self.last) <= NEAR and self._finish(polish, MOST_POLISH)
+        return self.tol < self._error(self.last) <= NEAR and self._finish(polish, most)
 
     def _finish(
         self, method: Callable[[ContactProblem, SolverSettings, FloatArray], Answer], most: int
@@ -251,7 +263,8 @@ class _Run:
 
     def _hold(self, first: Iterate) -> bool:
         """Hold one shift after the other as long as that helps; tell whether the problem is solved."""
-        shift, held, found, idle = self._shift(), [], [], 0
+        shift, idle = self._shift(), 0
+        mixing = Mixing(DEPTH, self.speed)
         for _ in range(MOST_SHIFTS if self.coulomb else 1):
             before = self.error
             if self._follow_held(self._nearer(first), shift):
@@ -259,11 +272,10 @@ class _Run:
             idle = 0 if self.error <= HELPED * before else idle + 1
             if idle >= IDLE_SHIFTS or self._over():
                 return False
-            held.append(shift)
-            found.append(self._shift())
-            if not np.isfinite(found[-1]).all():  # forces that run away
+            found = self._shift()
+            if not np.isfinite(found).all():  # forces that run away
                 return False
-            shift = _next_shift(held[-DEPTH:], found[-DEPTH:], self.speed)
+            shift = np.maximum(mixing.next(shift, found), 0.0)
         return False
 
     def _start(self, size: float) -> Iterate:
@@ -380,16 +392,3 @@ class _Run:
                 break
             point = after
         return False
-
-
-def _next_shift(held: list[FloatArray], found: list[FloatArray], speed: FloatArray) -> FloatArray:
-    """Return the shift (n,) to hold next, from those that were held last and what was found with each.
-
-    Anderson's mixing: the combination of the last ones whose change is the least. Source: H. Walker, P. Ni,
-    "Anderson acceleration for fixed-point iterations", SIAM J. Numer. Anal. 49(4), 2011.
-    """
-    if len(held) == 1:
-        return found[0]
-    changes = (np.array(found) - np.array(held)) / speed
-    mix = np.linalg.lstsq(np.diff(changes, axis=0).T, changes[-1], rcond=1e-6)[0]
-    return np.asarray(np.maximum(found[-1] - mix @ np.diff(np.array(found), axis=0), 0.0))

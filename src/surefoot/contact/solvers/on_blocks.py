@@ -27,7 +27,7 @@ HEAVY, FULL = 50_000, 500
 contacts up to which a full matrix is factorised soon enough however many blocks it has."""
 FIRST_TRY = (0.3, 50, 8)
 """Newton on blocks: the proximal term's share, sweeps after a step, and patience."""
-NEAR = 5e-3
+NEAR = 1e-5
 """A velocity error that sweeps have left, up to which a few Newton steps end it sooner than anything else."""
 HALVING = 5
 """Of many contacts, steps in which the error has to halve: where it does not, other methods are quicker."""
