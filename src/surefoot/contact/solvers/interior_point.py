@@ -179,12 +179,12 @@ class _Run:
             return True
         if self._end(first):
             return True
-        near = self.error <= NEAR
         if unequally and not self._over():
             self._follow_unequally(first, min(MOST_UNEQUAL, self.most_long), POLISH_FROM)
             if self.error <= self.tol or self._end(first):
                 return True
-        return not coarse and not near and (self._hold(first) or self._polish())
+        # nearer than that, the shift has been held
+        return not coarse and self.error > NEAR and (self._hold(first) or self._polish())
 
     def _end(self, first: Iterate) -> bool:
         """Go on from where a path led near an answer; tell whether the problem is solved.
