@@ -27,7 +27,7 @@ HEAVY, FULL = 50_000, 500
 contacts up to which a full matrix is factorised soon enough however many blocks it has."""
 FIRST_TRY = (0.3, 50, 8)
 """Newton on blocks: the proximal term's share, sweeps after a step, and patience."""
-NEAR = 1e-5
+NEAR = 5e-3
 """A velocity error that sweeps have left, up to which a few Newton steps end it sooner than anything else."""
 HALVING = 5
 """Of many contacts, steps in which the error has to halve: where it does not, other methods are quicker."""
@@ -101,8 +101,18 @@ def alternate(
             break
     if heavy(problem):
         return done, error, far
-    if error > tol and done < most and working_time() < newton.end:
-        used = 0 if between is None or error <= NEAR else between(forces, most - done)
-        used = used or newton.run(forces, most - done, *FIRST_TRY, span)[0]
+
+    def take_steps(forces: FloatArray, most: int) -> int:
+        return newton.run(forces, most, *FIRST_TRY, span)[0]
+
+    other = between or (lambda forces, most: 0)
+    # near an answer Newton steps end it sooner, if they can; far from it they may not even start well
+    near = error <= NEAR
+    for method in (take_steps, other) if near else (other, take_steps):
+        if error <= tol or done >= most or working_time() >= newton.end:
+            break
+        used = method(forces, most - done)
         done, (_, error, far) = done + used, newton.measure(forces)
+        if used and not near:
+            break
     return done, error, far
