@@ -8,11 +8,12 @@ the bodies, however many contacts hold them.
 The shift's derivative is in S: quadratic, from far away. Coulomb's law is not monotone, so that its central
 path may turn, or nearly: where steps become short the path is followed by its length (`path_step`). It loses
 itself near an answer, where forces that velocities do not determine drift with rounding (an error of 3e-6);
-from 1e-5 on ADMM with one penalty polishes what was found. Where the path is lost it is followed again, all
-of it, with unequal shares of the gap: longer, and surer. Where the shift is held at what was found, a
-convex program is left that has no turns: coarse answers are reached sooner so, and fine ones where the path
-is lost. The fixed point of shifts (Acary and Cadoux) shrinks by a third to two thirds each, which Anderson's
-mixing shortens to a few, but not at all where contacts slide without any other force.
+from 1e-5 on it is followed while it lasts, and ADMM with one penalty polishes what was found (`polish`).
+Where the path is lost it is followed again, all of it, with unequal shares of the gap: longer, and surer.
+Where the shift is held at what was found, a convex program is left that has no turns: coarse answers are
+reached sooner so, and fine ones where a polish comes to rest. The fixed point of shifts (Acary and Cadoux)
+shrinks by a third to two thirds each, which Anderson's mixing shortens to a few, but not at all where
+contacts slide without any other force.
 
 Source: V. Acary, M. Brémond, O. Huber, "On solving contact problems with Coulomb friction: formulations and
 numerical comparisons", 2018; V. Acary, F. Cadoux, C. Lemaréchal, J. Malick, ZAMM
@@ -189,8 +190,8 @@ class _Run:
     def _end(self, first: Iterate) -> bool:
         """Go on from where a path led near an answer; tell whether the problem is solved.
 
-        To its very end, and from there by a polish; where that comes to rest, mostly an active set that is
-        not the answer's, by holding the shift that the path had found.
+        To its very end, and from there by a polish; where that comes to rest, by holding the shift that the
+        path had found: a polish of the convex program's forces is mostly a short one.
         """
         error, near = self._error(self.last), self.last
         if error > NEAR:

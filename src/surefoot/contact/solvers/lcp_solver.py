@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, of_kind, real_number
+from surefoot.base.blas_threads import light_blas
 from surefoot.base.errors import NoSolution, SolverNotFound, unknown_name
 from surefoot.base.kernels import working_time
 from surefoot.contact.problem.lcp import LCP
@@ -160,7 +161,7 @@ def _by_parts(problem: LCP, method: LcpFunction, settings: SolverSettings) -> An
             continue
         part, unit = _of_unit_size(problem.part(index))
         left = None if settings.max_iterations is None else max(0, settings.max_iterations - iterations)
-        with np.errstate(all="ignore"):  # what is lost shows in the residual
+        with np.errstate(all="ignore"), light_blas(part.size):  # what is lost shows in the residual
             found = method(part, SolverSettings(settings.tol, left, max(0.0, end - working_time())))
             z[index], iterations = np.ldexp(found.forces, unit), iterations + found.iterations
         # a part is judged by itself, so that one without solution does not take the others' answers along
