@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import io
+import os
 import re
+import shutil
 import subprocess
 import tarfile
 from pathlib import Path
@@ -53,10 +55,15 @@ def export(number: str, folder: Path) -> None:
     done = _git("archive", "--format=tar", number, *EXPORTED)
     if done.returncode != 0:
         raise ValueError(f"git archive {number}: {done.stderr.decode().strip()}")
-    begun = folder.with_name(f"{folder.name}.part")
+    begun = folder.with_name(f"{folder.name}.{os.getpid()}.part")
     with tarfile.open(fileobj=io.BytesIO(done.stdout)) as archive:
         archive.extractall(begun, filter="data")
-    begun.rename(folder)  # last: a copy that was cut short is none
+    try:
+        begun.rename(folder)  # last: a copy that was cut short is none
+    except OSError:
+        if not folder.exists():
+            raise
+        shutil.rmtree(begun)  # another process was sooner
 
 
 def _git(*words: str) -> subprocess.CompletedProcess[bytes]:
