@@ -105,6 +105,18 @@ def test_every_module_stands_in_a_wing() -> None:
     assert {p.parent.name for p in SOURCE.glob("*/__init__.pyi")} == set(FACES)
 
 
+BESIDE = re.compile(r'(?:Path\(__file__\)\.with_name|files\("surefoot[\w.]*"\)\.joinpath)\("([^"{]+)"\)')
+
+
+def test_files_that_code_names_beside_itself_are_there() -> None:
+    """A script for another interpreter is imported by nobody: its name is all there is."""
+    named = [
+        (path, name) for path in SOURCE.rglob("*.py") for name in BESIDE.findall(path.read_text("utf-8"))
+    ]
+    assert len(named) >= 5
+    assert [str(path.parent / name) for path, name in named if not (path.parent / name).is_file()] == []
+
+
 def test_wings_import_downwards_only() -> None:
     """With faces followed to what is behind them."""
     up = {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -15,10 +16,18 @@ from surefoot.records.identification.ground_plane import GroundPlane
 from surefoot.records.identification.thrown_body import ThrownBody, cube_body, thrown_body
 from surefoot.records.identification.toss_model import ThrownModel, TossModel, TossScene
 from surefoot.records.identification.tosses import Cube
+from surefoot.worlds.drake import drake_python
 from surefoot.worlds.experiments.tosses import RIVALS, MujocoBody
 from surefoot.worlds.experiments.tosses import rival as known
 
-STIFF = {"mujoco": [0.2, 0.004, 1.0, 0.95, 0.99]}
+STIFF = {
+    "mujoco": [0.2, 0.004, 1.0, 0.95, 0.99], "drake": [0.2, 6.0, 10.0, 1e-3],
+    "bullet": [0.2, 0.0, 5.0, 2.0, 1e-3],
+}  # fmt: skip
+HERE = {
+    "mujoco": find_spec("mujoco") is not None, "drake": drake_python.present(),
+    "bullet": find_spec("pybullet") is not None,
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", RIVALS)
@@ -37,7 +46,8 @@ def scene(
 
 
 def rival(name: str) -> TossModel:
-    pytest.importorskip(name)
+    if not HERE[name]:
+        pytest.skip(f"{name} is not installed")
     return known(name)
 
 

@@ -48,9 +48,7 @@ def identify(
     ] = None,
     rivals: Annotated[
         str,
-        typer.Option(
-            help="Simulators tuned by the same search: mujoco, drake, none; auto: mujoco, with --test."
-        ),
+        typer.Option(help="Simulators tuned alike: mujoco, drake, bullet, none; auto: mujoco, with --test."),
     ] = NAMED,
     folds: Annotated[int, typer.Option(help="Parts of a cross-validation of all tosses; 0 for none.")] = 0,
     resamples: Annotated[int, typer.Option(help="Bootstrap samples behind the 95 % intervals.")] = 1000,
@@ -115,10 +113,10 @@ def _draw(recorded: Tosses, others: Tosses | None, fits: dict[str, TossFit], fol
 def _models(laws: list[str], names: str, testing: bool, threads: int) -> list[Any]:
     """Return the model of each law and of each rival; those that can, share tosses among threads."""
     from surefoot.records.identification.toss_model import ThrownModel
-    from surefoot.worlds.experiments.tosses import RIVALS, rival
+    from surefoot.worlds.experiments.tosses import rival
 
     if names == NAMED:
-        wanted = [name for name in RIVALS if testing and find_spec(name)]
+        wanted = ["mujoco"] if testing and find_spec("mujoco") else []
     else:
         wanted = [] if names == "none" else [name.strip() for name in names.split(",")]
     own = [ThrownModel(name, threads=threads) for name in laws]

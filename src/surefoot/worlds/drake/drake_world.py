@@ -22,7 +22,7 @@ from surefoot.mechanics import Robot, Terrain
 from surefoot.worlds.drake.drake_python import Worker
 from surefoot.worlds.interface.engine_world import HIGHEST, LARGEST, EngineWorld
 
-WORKER = Path(__file__).with_name("worker.py")
+WORKER = Path(__file__).with_name("drake_worker.py")
 APPROXIMATIONS = ("sap", "lagged", "similar", "tamsi")
 STEPS_OF_GROUND = 4.0
 """Period of the robot's whole mass on one contact, in steps: as stiff as keeps Drake's iterations quick."""

@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 import math
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,12 +28,17 @@ from surefoot.records import (
     in_plane,
     in_world,
 )
+from surefoot.worlds.bullet.bullet_world import GROUND, import_bullet, urdf_of
 from surefoot.worlds.drake.drake_python import Worker
 from surefoot.worlds.drake.drake_world import STICTION, WORKER
 from surefoot.worlds.mujoco.spec import import_mujoco
 
 LONGEST_STEP = 1e-3
 """Of a simulation [s]."""
+SHARPEST = 1e-4
+"""Least radius of a corner in Bullet [m]."""
+FASTEST = 1e6
+"""Rate of a joint that Bullet does not cut [rad/s, m/s]: its own limit is 100."""
 _MODEL = """
 <mujoco>
   <compiler autolimits="false" angle="radian"/>
@@ -191,7 +201,7 @@ class DrakeBody:
         words = {
             "dt": scene.dt / steps, "mu": mu, "gravity": gravity.tolist(), "material": material,
             "approximation": self._approximation, "near_rigid": None, "stiction": STICTION, "ground": [level],
-            "spheres": list(spheres), "joints": [_drake_joint(scene.body, i) for i in range(nq - 6)],
+            "spheres": list(spheres), "joints": [_joint(scene.body, i) for i in range(nq - 6)],
         }  # fmt: skip
         self._worker.ask(["scene", words])
         thrown = self._worker.ask(["throw", starts[:, order].tolist(), scene.frames.tolist(), steps])
@@ -200,8 +210,8 @@ class DrakeBody:
         return in_world(poses, scene)
 
 
-def _drake_joint(body: ThrownBody, i: int) -> dict[str, Any]:
-    """Return a link, and the joint that it hangs on, as Drake's worker takes it."""
+def _joint(body: ThrownBody, i: int) -> dict[str, Any]:
+    """Return a link, and the joint that it hangs on, as Drake's worker and Bullet's URDF take it."""
     tree = body.tree
     kind = "free" if i == 0 else ("prismatic" if tree.sliding[i] else "revolute")
     arrays = {
@@ -215,11 +225,116 @@ def _drake_joint(body: ThrownBody, i: int) -> dict[str, Any]:
     }  # fmt: skip
 
 
-RIVALS: dict[str, Any] = {one.name: one for one in (MujocoBody, DrakeBody)}
-"""Rivals by name, which is that of the simulator's package as well: what `--rivals` chooses from."""
+class BulletBody:
+    """Bullet's springs and dampers at rounded corners, steps of a millisecond.
+
+    Raises
+    ------
+    MissingExtra
+        If PyBullet is not installed.
+    """
+
+    name = "bullet"
+    parameters = (
+        FRICTION,
+        TossParameter("restitution", 0.2, 0.03, 0.0, 0.95),
+        TossParameter("stiffness_log10", 4.5, 0.1, 3.0, 7.0, "log N/m"),
+        TossParameter("damping_log10", 1.5, 0.1, -1.0, 4.0, "log N s/m"),
+        ROUNDING,
+    )
+
+    def __init__(self) -> None:
+        self._bullet: Any = import_bullet()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return BulletBody, ()
+
+    def rollout(self, values: FloatArray, scene: TossScene) -> FloatArray:
+        """Return (sum of frames, nq) positions [m], quaternions and joints."""
+        steps = max(1, math.ceil(scene.dt / LONGEST_STEP - 1e-9))
+        gravity, starts = in_plane(scene)
+        nq = (starts.shape[1] + 1) // 2
+        at, axes = scene.body.tree.centres[0], Rotation.from_quat(starts[:, 3:7])
+        poses: list[FloatArray] = []
+        served = _bullet_scene(self._bullet, values, scene, steps, gravity)
+        with served as (engine, body, principal):
+            # Bullet's base is where its centre of mass is, in its principal axes
+            turns = (axes * principal).as_quat()
+            places = starts[:, :3] + axes.apply(at)
+            speeds = starts[:, nq : nq + 3] + np.cross(starts[:, nq + 3 : nq + 6], axes.apply(at))
+            for i, start in enumerate(starts):
+                engine.resetBasePositionAndOrientation(body, places[i], turns[i])
+                engine.resetBaseVelocity(body, speeds[i], start[nq + 3 : nq + 6])
+                for k in range(nq - 7):
+                    engine.resetJointState(body, k, start[7 + k], start[nq + 6 + k])
+                poses.extend(_bullet_frames(engine, body, int(scene.frames[i]), nq - 7))
+        out = np.array(poses).reshape(-1, nq)
+        turned = Rotation.from_quat(out[:, 3:7]) * principal.inv()
+        out[:, :3] -= turned.apply(at)
+        out[:, 3:7] = turned.as_quat()
+        return in_world(out, scene)
+
+
+class _Client:
+    """PyBullet's functions, asked of a server of its own."""
+
+    def __init__(self, bullet: Any) -> None:
+        self._bullet, self._server = bullet, bullet.connect(bullet.DIRECT)
+
+    def __getattr__(self, name: str) -> Any:
+        call = partial(getattr(self._bullet, name), physicsClientId=self._server)
+        setattr(self, name, call)
+        return call
+
+
+@contextmanager
+def _bullet_scene(
+    bullet: Any, values: FloatArray, scene: TossScene, steps: int, gravity: FloatArray
+) -> Iterator[tuple[Any, int, Rotation]]:
+    """Yield Bullet with level ground and the body of a scene, the body, and its principal axes."""
+    mu, restitution, stiffness, damping, rounding = (float(v) for v in values)
+    tree, engine = scene.body.rounded(max(rounding, SHARPEST)), _Client(bullet)
+    spheres = zip((tree.links + 1).tolist(), tree.points.tolist(), tree.radii.tolist(), strict=True)
+    words = {"spheres": list(spheres), "joints": [_joint(scene.body, i) for i in range(tree.masses.size)]}
+    contact = {"contactStiffness": 10.0**stiffness, "contactDamping": 10.0**damping}
+    try:
+        engine.setPhysicsEngineParameter(fixedTimeStep=scene.dt, numSubSteps=steps, contactSlop=0.0)
+        engine.setGravity(*gravity)
+        ground = engine.createMultiBody(0.0, engine.createCollisionShape(bullet.GEOM_PLANE))
+        engine.changeDynamics(ground, -1, lateralFriction=mu, **GROUND)  # multiplied with the body's
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "body.urdf"
+            path.write_text(urdf_of(words), encoding="utf8")
+            flags = bullet.URDF_USE_INERTIA_FROM_FILE | bullet.URDF_MAINTAIN_LINK_ORDER
+            body = engine.loadURDF(str(path), flags=flags)
+        for link in range(-1, tree.masses.size - 1):
+            free = {"linearDamping": 0.0, "angularDamping": 0.0, "maxJointVelocity": FASTEST}
+            engine.changeDynamics(body, link, **free)
+            engine.changeDynamics(body, link, jointDamping=float(tree.damping[link + 1]))
+            engine.changeDynamics(body, link, restitution=restitution, lateralFriction=1.0, **contact)
+            if link >= 0:  # a motor that holds still, with no more than the joint's dry friction
+                friction = float(tree.friction[link + 1])
+                engine.setJointMotorControl2(body, link, bullet.VELOCITY_CONTROL, force=friction)
+        yield engine, body, Rotation.from_quat(engine.getDynamicsInfo(body, -1)[4])
+    finally:
+        engine.disconnect()
+
+
+def _bullet_frames(engine: Any, body: int, frames: int, joints: int) -> Iterator[FloatArray]:
+    """Yield the body's pose in Bullet (7 + joints,) at each frame."""
+    for frame in range(frames):
+        if frame:
+            engine.stepSimulation()
+        place, turn = engine.getBasePositionAndOrientation(body)
+        yield np.array([*place, *turn, *(engine.getJointState(body, k)[0] for k in range(joints))])
+
+
+RIVALS: dict[str, Any] = {one.name: one for one in (MujocoBody, DrakeBody, BulletBody)}
+"""Rivals by name: what `--rivals` chooses from."""
 
 
 def rival(name: str, threads: int = 1) -> TossModel:
-    """Return a rival; MuJoCo's shares tosses among threads, Drake's has one process of its own."""
+    """Return a rival; MuJoCo's shares tosses among threads, Drake's and Bullet's do one after the other."""
     check_name("rival", name, RIVALS)
-    return MujocoBody(threads) if name == MujocoBody.name else DrakeBody()
+    made: TossModel = MujocoBody(threads) if name == MujocoBody.name else RIVALS[name]()
+    return made
