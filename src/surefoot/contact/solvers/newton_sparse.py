@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
@@ -17,8 +19,13 @@ from surefoot.contact.solvers.stopping import force_error, velocity_error
 
 SWEEPS_GROW, SWEEPS_MOST = 1.1, 400
 """By how much more sweeps follow each further step, and the most of them."""
-DENSE_ABOVE = 0.12
-"""Share of non-zeros of the reduced matrix above which it is factorised as a dense one."""
+DENSE_ROWS, DENSE_ABOVE = 150, 0.25
+"""Rows below which, and share of non-zeros above which, the reduced matrix is factorised as a dense one."""
+SYMMETRIC: dict[str, Any] = {
+    "permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.1, "options": {"SymmetricMode": True},
+}  # fmt: skip
+"""How SuperLU orders and pivots: where the non-zeros are is symmetric, and least degree on them takes a half
+to two thirds of the time of its default, which orders the columns for any rows."""
 
 
 @kernel
@@ -79,17 +86,17 @@ def _solve(begin: IntArray, where: IntArray, entries: FloatArray, b: FloatArray)
     m = b.size
     if m == 0:
         return b
-    A = sp.csr_matrix((entries, where, begin), shape=(m, m))
+    transposed = sp.csc_matrix((entries, where, begin), shape=(m, m))
     try:
-        if m < 150 or entries.size > DENSE_ABOVE * m * m:
+        if m < DENSE_ROWS or entries.size > DENSE_ABOVE * m * m:
             # small or nearly full: SuperLU's ordering and bookkeeping would
             # take longer than LAPACK's dense factors
-            lu, pivots, info = scipy.linalg.lapack.dgetrf(A.toarray(order="F"), overwrite_a=True)
+            lu, pivots, info = scipy.linalg.lapack.dgetrf(transposed.toarray(order="F"), overwrite_a=True)
             if info != 0:
                 return None
-            x: FloatArray = scipy.linalg.lapack.dgetrs(lu, pivots, b)[0]
+            x: FloatArray = scipy.linalg.lapack.dgetrs(lu, pivots, b, trans=1)[0]
         else:
-            x = scipy.sparse.linalg.splu(A.tocsc()).solve(b)
+            x = scipy.sparse.linalg.splu(transposed, **SYMMETRIC).solve(b, trans="T")
     except RuntimeError:  # SuperLU's word for a singular matrix
         return None
     return x if np.isfinite(x).all() else None

@@ -1,4 +1,7 @@
-"""Which solids are near each other, and where they touch: broad phase by boxes, narrow phase by coal."""
+"""Which solids are near each other, and where they touch: broad phase by boxes, narrow phase by coal.
+
+Balls do not need coal: the point of a box nearest to one is closed form, inside the box too.
+"""
 
 from __future__ import annotations
 
@@ -131,7 +134,7 @@ class PairSearch:
         if not near.size:
             return
         pairs = self.pairs[near]
-        seen, balls = look_at_balls(pairs, self._core, self._radius, centre)
+        seen, balls = look_at_balls(pairs, self._core, self._radius, rotation, centre)
         for s in set(pairs[~balls].ravel().tolist()):
             self._poses[s].setRotation(rotation[s])
             self._poses[s].setTranslation(centre[s])
@@ -245,26 +248,67 @@ def sweep_boxes(centre: FloatArray, extent: FloatArray, reach: float) -> IntArra
 
 @kernel
 def look_at_balls(
-    pairs: IntArray, half: FloatArray, radius: FloatArray, centre: FloatArray
+    pairs: IntArray, half: FloatArray, radius: FloatArray, rotation: FloatArray, centre: FloatArray
 ) -> tuple[FloatArray, BoolArray]:
-    """Return what coal would see (k, 10) of those pairs (k, 2) that are two balls, and which ones are (k,).
+    """Return what coal would see (k, 10) of those pairs (k, 2) with a ball, and which ones are (k,).
 
-    `half` (s, 3), `radius` (s,) and `centre` (s, 3) are the shapes' [m].
+    `half` (s, 3), `radius` (s,), `rotation` (s, 3, 3) and `centre` (s, 3) are the shapes' [m]. A ball's core
+    is a point: what it is nearest to in another core, a box along its own axes, is that point cut to it.
     """
     seen, balls = np.empty((pairs.shape[0], 10)), np.zeros(pairs.shape[0], dtype=np.bool_)
+    n, q = np.empty(3), np.empty(3)
     for i in range(pairs.shape[0]):
         a, b = pairs[i, 0], pairs[i, 1]
-        # a ball's core is its centre; all other pairs are coal's
-        if half[a].any() or half[b].any():
-            continue
-        balls[i], apart = True, math.sqrt(((centre[b] - centre[a]) ** 2).sum())
-        for k in range(3):
-            # concentric ones have no direction of their own
-            n = (centre[b, k] - centre[a, k]) / apart if apart > 0.0 else (1.0 if k == 2 else 0.0)
-            seen[i, k] = n
-            seen[i, 4 + k], seen[i, 7 + k] = centre[a, k] + radius[a] * n, centre[b, k] - radius[b] * n
+        ball, other, sign = b, a, 1.0
+        if half[b].any():
+            if half[a].any():
+                continue
+            ball, other, sign = a, b, -1.0
+        balls[i] = True
+        apart = nearest_of_core(centre[ball], half[other], rotation[other], centre[other], n, q)
         seen[i, 3] = apart - radius[a] - radius[b]
+        one, two = (7, 4) if sign < 0.0 else (4, 7)
+        for k in range(3):
+            seen[i, k] = sign * n[k]
+            seen[i, one + k] = q[k] + radius[other] * n[k]
+            seen[i, two + k] = centre[ball, k] - radius[ball] * n[k]
     return seen, balls
+
+
+@kernel
+def nearest_of_core(
+    point: FloatArray, half: FloatArray, rotation: FloatArray, centre: FloatArray, n: FloatArray,
+    q: FloatArray,
+) -> float:  # fmt: skip
+    """Return the distance [m] of a point (3,) from a core; write the way there n (3,) and where from q (3,).
+
+    The core is a box of half extents `half` (3,) with its `rotation` (3, 3) and `centre` (3,). Inside it
+    the distance is negative, to the nearest face.
+    """
+    cut, out, least, axis, square = np.empty(3), np.empty(3), np.inf, 2, 0.0
+    for k in range(3):
+        own = 0.0
+        for i in range(3):
+            own += rotation[i, k] * (point[i] - centre[i])
+        cut[k] = min(max(own, -half[k]), half[k])
+        out[k] = own - cut[k]
+        square += out[k] ** 2
+        # on a tie the last: concentric balls touch above each other
+        if half[k] - abs(own) <= least:
+            least, axis = half[k] - abs(own), k
+    apart = math.sqrt(square)
+    if apart > 0.0:
+        out /= apart
+    else:
+        side = -1.0 if cut[axis] < 0.0 else 1.0
+        out[:] = 0.0
+        out[axis], cut[axis], apart = side, side * half[axis], -least
+    for i in range(3):
+        n[i], q[i] = 0.0, centre[i]
+        for k in range(3):
+            n[i] += rotation[i, k] * out[k]
+            q[i] += rotation[i, k] * cut[k]
+    return apart
 
 
 def slots(one: Shape, two: Shape) -> int:

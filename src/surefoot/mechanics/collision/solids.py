@@ -87,7 +87,8 @@ class Geometry:
         stands = (joint > 0) | ground  # no piece of ground
         # feet have their own contacts with the ground
         keep = (joint[a] != joint[b]) & (stands[a] | ground[b]) & (stands[b] | ground[a])
-        keep &= ~np.isin(a * n + b, [one * n + two for one, two in self.apart])
+        if self.apart:
+            keep &= ~np.isin(a * n + b, [one * n + two for one, two in self.apart])
         a, b = a[keep].astype(np.int64), b[keep].astype(np.int64)
         turned = (joint[b] == 0)[:, None]
         return np.where(turned, np.stack([b, a], axis=1), np.stack([a, b], axis=1))

@@ -67,6 +67,10 @@ class Contacts(NamedTuple):
         e = np.zeros(gaps.size) if restitution is None else restitution
         return arithmetic.assemble(self.J, L, v, free, gaps, near, dt, e, rest_speed, pull)
 
+    def factor(self, rows: Any) -> Any:
+        """Return the rows (3k, nv) whose square G is, as a matrix."""
+        return rows
+
     def apply(self, L: FloatArray, rows: Any, impulses: FloatArray, free: FloatArray) -> FloatArray:
         """Return v⁺ (nv,) [m/s, rad/s] after (k, 3) impulses, see `arithmetic.apply_impulses`."""
         return arithmetic.apply_impulses(L, rows, impulses.ravel(), free)

@@ -6,6 +6,8 @@ body, and no others: it is sparse, and so is Y.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +21,38 @@ from surefoot.mechanics.dynamics import arithmetic
 from surefoot.mechanics.dynamics.detection import GroundBelow
 from surefoot.mechanics.dynamics.pair_detection import PairDetection
 from surefoot.mechanics.terrain import Terrain
+
+
+@dataclass(frozen=True)
+class BlockRows:
+    """Rows (3k, nv) of contacts of free bodies; a sparse matrix where one is asked for.
+
+    Attributes
+    ----------
+    bodies
+        (k, 2) which two bodies each contact moves; -1 for what does not move.
+    blocks
+        (k, 2, 3, 6) its columns for either of them.
+    nv
+        Velocities of all bodies.
+    """
+
+    bodies: IntArray
+    blocks: FloatArray
+    nv: int
+
+    @cached_property
+    def matrix(self) -> Any:
+        """The rows (3k, nv), sparse."""
+        moved = self.bodies >= 0
+        starts = np.concatenate([[0], np.cumsum(moved.sum(axis=1))])
+        shape = 3 * len(self.bodies), self.nv
+        return sp.bsr_matrix((self.blocks[moved], self.bodies[moved], starts), shape=shape)
+
+    @property
+    def T(self) -> Any:
+        """Their transpose (nv, 3k), sparse."""
+        return self.matrix.T
 
 
 class FreeContacts(NamedTuple):
@@ -47,7 +81,7 @@ class FreeContacts(NamedTuple):
     @property
     def J(self) -> FloatArray:
         """The dense (3p, nv) map from v to the points' velocities, made when it is asked for."""
-        return np.asarray(self._sparse(np.arange(len(self.gaps)), self.blocks).toarray())
+        return np.asarray(BlockRows(self.bodies, self.blocks, self.nv).matrix.toarray())
 
     def kept(self) -> FreeContacts:
         """Return the same in arrays of their own."""
@@ -59,7 +93,7 @@ class FreeContacts(NamedTuple):
 
     def effort(self, forces: FloatArray) -> FloatArray:
         """Return the generalised forces (nv,) [N, N m] of (p, 3) forces in contact axes [N]."""
-        return np.asarray(self._sparse(np.arange(len(self.gaps)), self.blocks).T @ forces.ravel())
+        return np.asarray(BlockRows(self.bodies, self.blocks, self.nv).T @ forces.ravel())
 
     def near(self, v: FloatArray, free: FloatArray, dt: float, reach: float) -> IntArray:
         """Return the contacts that may touch within the step, see `arithmetic.near_ground`: (k,)."""
@@ -79,29 +113,25 @@ class FreeContacts(NamedTuple):
     ) -> tuple[Any, Any, FloatArray]:  # fmt: skip
         """Return rows (3k, nv), G [1/kg] and g [m/s] of the near contacts, see `Contacts.assemble`.
 
-        `L` (bodies, 6, 6) are the factors of the bodies' own inertias. The rows are sparse, and of many
-        contacts G is.
+        `L` (bodies, 6, 6) are the factors of the bodies' own inertias. The rows are in blocks; of many
+        contacts G is sparse.
         """
         g = self.velocities(free)[near]
         e = np.zeros(near.size) if restitution is None else restitution[near]
         before = self.velocities(v)[near, 2] if restitution is not None else np.zeros(near.size)
         g[:, 2] += arithmetic.normal_shifts(gaps[near], before, g[:, 2], dt, e, rest_speed, pull)[0]
-        inverse = np.linalg.inv(L).swapaxes(1, 2)
-        rows = self._sparse(near, self.blocks[near] @ inverse[self.bodies[near]])
-        G = rows @ rows.T
-        return rows, G.toarray() if near.size <= COMPILED_CONTACTS else G, g.ravel()
+        rows = BlockRows(self.bodies[near], weigh_blocks(self.bodies[near], self.blocks[near], L), self.nv)
+        if near.size <= COMPILED_CONTACTS:
+            return rows, square_blocks(rows.bodies, rows.blocks), g.ravel()
+        return rows, rows.matrix @ rows.T, g.ravel()
 
-    def apply(self, L: FloatArray, rows: Any, impulses: FloatArray, free: FloatArray) -> FloatArray:
+    def factor(self, rows: BlockRows) -> Any:
+        """Return the sparse rows (3k, nv) whose square G is."""
+        return rows.matrix
+
+    def apply(self, L: FloatArray, rows: BlockRows, impulses: FloatArray, free: FloatArray) -> FloatArray:
         """Return v⁺ = free + L⁻ᵀ Yᵀ λ, (nv,), after (k, 3) impulses, of the rows Y [N s]."""
-        change = np.asarray(rows.T @ impulses.ravel()).reshape(-1, 6, 1)
-        return np.asarray(free + (np.linalg.inv(L).swapaxes(1, 2) @ change).ravel())
-
-    def _sparse(self, chosen: IntArray, blocks: FloatArray) -> Any:
-        """Return the sparse (3k, nv) matrix of blocks (k, 2, 3, 6) of chosen contacts (k,)."""
-        moved = self.bodies[chosen] >= 0
-        starts = np.concatenate([[0], np.cumsum(moved.sum(axis=1))])
-        shape = 3 * len(chosen), self.nv
-        return sp.bsr_matrix((blocks[moved], self.bodies[chosen][moved], starts), shape=shape)
+        return push_blocks(rows.bodies, rows.blocks, L, impulses, free)
 
 
 class FreeDetection(PairDetection):
@@ -197,4 +227,71 @@ def block_velocities(bodies: IntArray, blocks: FloatArray, v: FloatArray) -> Flo
                 for a in range(3):
                     for k in range(6):
                         out[c, a] += blocks[c, side, a, k] * v[6 * b + k]
+    return out
+
+
+@kernel
+def weigh_blocks(bodies: IntArray, blocks: FloatArray, L: FloatArray) -> FloatArray:
+    """Return B L⁻ᵀ (k, 2, 3, 6) for blocks B (k, 2, 3, 6) on bodies (k, 2) with lower factors L (n, 6, 6)."""
+    out = np.zeros(blocks.shape)
+    for c in range(bodies.shape[0]):
+        for side in range(2):
+            b = bodies[c, side]
+            if b >= 0:
+                for a in range(3):
+                    row = out[c, side, a]
+                    for i in range(6):
+                        total = blocks[c, side, a, i]
+                        for k in range(i):
+                            total -= L[b, i, k] * row[k]
+                        row[i] = total / L[b, i, i]
+    return out
+
+
+@kernel
+def square_blocks(bodies: IntArray, blocks: FloatArray) -> FloatArray:
+    """Return Y Yᵀ (3k, 3k) of the rows Y that blocks (k, 2, 3, 6) on bodies (k, 2) are."""
+    count = bodies.shape[0]
+    out = np.zeros((3 * count, 3 * count))
+    for c in range(count):
+        for d in range(c + 1):
+            for side in range(2):
+                b = bodies[c, side]
+                if b < 0:
+                    continue
+                for other in range(2):
+                    if bodies[d, other] != b:
+                        continue
+                    for i in range(3):
+                        for j in range(3 if d < c else i + 1):
+                            total = 0.0
+                            for k in range(6):
+                                total += blocks[c, side, i, k] * blocks[d, other, j, k]
+                            out[3 * c + i, 3 * d + j] += total
+    for i in range(3 * count):
+        for j in range(i):
+            out[j, i] = out[i, j]
+    return out
+
+
+@kernel
+def push_blocks(
+    bodies: IntArray, blocks: FloatArray, L: FloatArray, impulses: FloatArray, free: FloatArray
+) -> FloatArray:
+    """Return free + L⁻ᵀ Yᵀ λ (6n,), see `weigh_blocks` and `square_blocks`; λ are impulses (k, 3) [N s]."""
+    change = np.zeros((L.shape[0], 6))
+    for c in range(bodies.shape[0]):
+        for side in range(2):
+            b = bodies[c, side]
+            if b >= 0:
+                for i in range(3):
+                    for k in range(6):
+                        change[b, k] += blocks[c, side, i, k] * impulses[c, i]
+    out = free.copy()
+    for b in range(L.shape[0]):
+        for i in range(5, -1, -1):
+            for k in range(i + 1, 6):
+                change[b, i] -= L[b, k, i] * change[b, k]
+            change[b, i] /= L[b, i, i]
+            out[6 * b + i] += change[b, i]
     return out

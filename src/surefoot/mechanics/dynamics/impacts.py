@@ -151,7 +151,7 @@ class Meeting(NamedTuple):
         options, mu = self.options, self.mu if self.surfaces is None else self.surfaces.friction[near]
         problem = finite_problem(G, g, mu, options.problem_law)
         if near.size > COMPILED_CONTACTS:
-            problem.factor = rows
+            problem.factor = self.contacts.factor(rows)
         solution = solve(problem, options.solver, options.solver_tol, warm_start=warm)
         self.tally.add(solution)
         return solution

@@ -69,7 +69,8 @@ class PairDetection:
             self._sides.append((k, -1))
         self.points = contact_points(model, feet)
         self.pairs = PairSearch(self._geometry, MARGIN + 2.0 * FASTEST_APPROACH * dt)
-        self._known, self._mixed = (np.nan, np.nan, 0), np.zeros((2, 0))
+        self._known, self._mixed = (np.nan, np.nan), np.zeros((2, 0))
+        self._surfaces = np.zeros((2, 0))
         self._grow()
         self._look(model, terrain)
 
@@ -118,12 +119,15 @@ class PairDetection:
         """Return the spatial Jacobian (6, nv) at q, see `TerrainDetection.twists`."""
         return self._ground.twists(q)
 
-    def mixed(self, geometry: Geometry, mu: float, restitution: float) -> FloatArray:
-        """Return friction and restitution (2, groups), of a geometry like its own with other surfaces."""
+    def mixed(self, geometry: Geometry, mu: float, restitution: float, first: int = 0) -> FloatArray:
+        """Return friction and restitution (2, groups), of a geometry like its own with other surfaces.
+
+        Of the groups from `first` on.
+        """
         own = [(s.friction, s.restitution) for s in geometry.solids]
         own += [(None, None)] * (len(self._geometry.solids) - len(own) + 1)  # of the ground: the last one
         out = np.array([
-            [geometry.mixed(own[a][k], own[b][k], ground) for a, b in self._sides]
+            [geometry.mixed(own[a][k], own[b][k], ground) for a, b in self._sides[first:]]
             for k, ground in enumerate((mu, restitution))
         ]).reshape(2, -1)  # fmt: skip
         out[1] = np.minimum(out[1], 1.0)
@@ -131,10 +135,12 @@ class PairDetection:
 
     def surfaces(self, mu: float, restitution: float) -> Surfaces:
         """Return the coefficients of all contacts on ground of friction `mu` and `restitution`."""
-        if self._known != (mu, restitution, len(self._sides)):
-            self._known = mu, restitution, len(self._sides)
-            self._mixed = self.mixed(self._geometry, mu, restitution)
+        if self._known != (mu, restitution):
+            self._known, self._mixed, self._surfaces = (mu, restitution), np.zeros((2, 0)), np.zeros((2, 0))
+        if self._surfaces.shape[1] != len(self.group):  # of many solids pairs come by and by
+            fresh = self.mixed(self._geometry, mu, restitution, self._mixed.shape[1])
+            self._mixed = np.concatenate([self._mixed, fresh], axis=1)
+            self._surfaces = self._mixed[:, self.group]
         on = np.ones(len(self.group), dtype=np.bool_)
         on[len(self.points) :] = self.pairs.on
-        friction, bounce = self._mixed[:, self.group]
-        return Surfaces(friction, bounce, on)
+        return Surfaces(*self._surfaces, on)
