@@ -96,7 +96,8 @@ def _solve(begin: IntArray, where: IntArray, entries: FloatArray, b: FloatArray)
                 return None
             x: FloatArray = scipy.linalg.lapack.dgetrs(lu, pivots, b, trans=1)[0]
         else:
-            x = scipy.sparse.linalg.splu(transposed, **SYMMETRIC).solve(b, trans="T")
+            factors: Any = scipy.sparse.linalg.splu(transposed, **SYMMETRIC)
+            x = factors.solve(b, trans="T")
     except RuntimeError:  # SuperLU's word for a singular matrix
         return None
     return x if np.isfinite(x).all() else None

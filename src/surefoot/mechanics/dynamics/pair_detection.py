@@ -143,4 +143,4 @@ class PairDetection:
             self._surfaces = self._mixed[:, self.group]
         on = np.ones(len(self.group), dtype=np.bool_)
         on[len(self.points) :] = self.pairs.on
-        return Surfaces(*self._surfaces, on)
+        return Surfaces(self._surfaces[0], self._surfaces[1], on)
