@@ -80,7 +80,7 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     if problem.contacts <= COMPILED_CONTACTS:
         return _run(problem, settings, warm_start, 0, _small_plan(problem, warm_start), start)
     forces = start_forces(problem, warm_start)
-    tried: list[bool] = []
+    tried: list[FloatArray] = []
 
     def light(forces: FloatArray, most: int) -> int:
         """Take the forces of an interior point where bodies are few and its steps light, if better."""
@@ -89,7 +89,7 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
         found = where_light(problem, SolverSettings(settings.tol, bound, left), None)
         if found is None:
             return 0
-        tried.append(True)
+        tried.append(found.forces)
         # far from an answer it tells less than sweeps do: theirs run away where there is none
         if worst_of(problem, found.forces) < min(
             max(POSSIBLE, settings.tol), worst_of(problem, forces.reshape(-1, 3))
@@ -108,6 +108,8 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     if error <= settings.tol or proof is not None:
         return Answer(forces.reshape(-1, 3), done, proof=proof)
     guess = None if far > NO_GUESS else forces.reshape(-1, 3)
+    if tried and worst_of(problem, tried[0]) < error:
+        guess = tried[0]
     return _run(problem, settings, guess, done, _large_plan(problem, bool(tried)), start)
 
 
