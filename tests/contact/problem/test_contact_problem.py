@@ -72,6 +72,42 @@ def test_sparse_and_dense_are_the_same_problem() -> None:
     assert dense.blocks.density < 1.0
 
 
+def _spoiled(G: np.ndarray, kind: str) -> np.ndarray:
+    """Return a semidefinite G (24, 24) with something wrong in it; what to zero is zero on one side alone."""
+    out = G.copy()
+    if kind == "one side":
+        out[3, 20], out[20, 3] = 0.7, 0.0
+    elif kind == "diagonal":
+        out[7, 7] = -0.5
+    elif kind == "pair":
+        out[3, 20] = out[20, 3] = 1e3
+    elif kind == "block":
+        out[6:9, 6:9] = [[1.0, 0.9, 0.9], [0.9, 1.0, -0.9], [0.9, -0.9, 1.0]]
+    return out
+
+
+@pytest.mark.parametrize("kind", ["one side", "diagonal", "pair", "block"])
+@pytest.mark.parametrize("size", [1e-60, 1.0, 1e60])
+def test_a_sparse_matrix_is_refused_in_the_words_of_a_dense_one(kind: str, size: float) -> None:
+    J = sp.random(24, 30, density=0.1, random_state=1).toarray()
+    G = size * _spoiled(J @ J.T + 0.1 * np.eye(24), kind)
+    said = []
+    for matrix in (G, sp.csr_matrix(G), sp.coo_matrix(G), sp.bsr_matrix(G, blocksize=(3, 3))):
+        with pytest.raises(sf.ProblemError) as told:
+            sf.ContactProblem(matrix, np.zeros(24), 0.5)
+        said.append(str(told.value))
+    assert len(set(said)) == 1, said
+
+
+def test_rounding_on_one_side_alone_is_halved_in_a_sparse_matrix() -> None:
+    G = sp.eye(24).tolil()
+    G[3, 20] = 1e-10
+    given = G.tocsr()
+    problem = sf.ContactProblem(given, np.zeros(24), 0.5)
+    assert problem.G[3, 20] == problem.G[20, 3] == 5e-11
+    assert given[20, 3] == 0.0
+
+
 @pytest.mark.parametrize("kind", ["number", "contact", "row"])
 def test_compliance_goes_on_the_diagonal(kind: str) -> None:
     G, g = random_matrix(3, 2, 6), np.ones(6)

@@ -87,6 +87,47 @@ def checked_mirror(G: FloatArray, slack: float) -> tuple[float, float, int, int]
     return scale, gap, row, column
 
 
+@kernel
+def checked_mirror_sparse(
+    starts: IntArray, columns: IntArray, values: FloatArray, mirror: FloatArray, slack: float
+) -> tuple[float, float, int, int]:
+    """Do as `checked_mirror` of finite compressed rows: `starts` (m + 1,), `columns` (k,), `values` (k,).
+
+    `mirror` (k,) are the entries of the transpose, whose places are the same.
+    """
+    m = starts.size - 1
+    scale = gap = 0.0
+    row = column = 0
+    own = np.zeros(m)
+    for i in range(m):
+        for at in range(starts[i], starts[i + 1]):
+            a, b, j = values[at], mirror[at], columns[at]
+            scale = max(scale, abs(a))
+            if j < i and abs(a - b) > gap:
+                gap, row, column = abs(a - b), i, j
+            values[at] = 0.5 * (a + b)
+            if i == j:
+                own[i] = values[at]
+    add = slack * scale
+    if gap > add:
+        return scale, gap, row, column
+    block = np.zeros((3, 3))
+    for i in range(m):
+        if own[i] + add < 0.0:
+            return scale, -1.0, i, i
+        if i % 3 == 0:
+            block[:] = 0.0
+        for at in range(starts[i], starts[i + 1]):
+            j = columns[at]
+            if j < i and values[at] * values[at] > (own[i] + add) * (own[j] + add):
+                return scale, -1.0, i, j
+            if j // 3 == i // 3:
+                block[i % 3, j % 3] = values[at] / scale if scale > 0.0 else 0.0
+        if i % 3 == 2 and block_determinant(block, 0, slack) < -1e-14 * np.trace(block) ** 3:
+            return scale, -1.0, i - 2, i + 1
+    return scale, gap, row, column
+
+
 @inline_kernel
 def checked_copy(G: FloatArray, slack: float, out: FloatArray) -> tuple[bool, bool]:
     """Fill out with the symmetric part of G, (m, m) both; return whether it is finite, and `checked_mirror`.

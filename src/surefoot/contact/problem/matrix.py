@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, IntArray, finite_array
 from surefoot.base.errors import ProblemError
-from surefoot.contact.problem.blocks import checked_mirror
+from surefoot.contact.problem.blocks import checked_mirror, checked_mirror_sparse
 
 ASYMMETRY = 1e-8
 """Largest |G - Gᵀ|, and largest -λ for an eigenvalue λ, over largest |G| that is taken for rounding.
@@ -96,34 +96,32 @@ def checked_sparse(G: Any, size: int, compliance: FloatArray | None) -> Any:
     """Return the symmetric part of a sparse G (size, size), compliance (size,) on its diagonal, in CSR."""
     if G.shape != (size, size):
         raise ProblemError(f"G must have shape ({size}, {size}), got {G.shape}")
-    matrix = sp.csr_matrix(G)
+    matrix = sp.csr_matrix(G, copy=True)
     matrix.data = finite_array("the entries of G", matrix.data)
-    largest = float(abs(matrix.data).max(initial=0.0))
+    matrix.sum_duplicates()
     with np.errstate(over="ignore"):
         single = bool((matrix.data == matrix.data.astype(np.float32)).all())
     limit = SINGLE_ASYMMETRY if single else ASYMMETRY
-    gap = abs(matrix - matrix.T).tocoo()
-    if gap.nnz and gap.data.max() > limit * largest:
-        k = int(np.argmax(gap.data))
-        i, j = int(gap.row[k]), int(gap.col[k])
-        raise ProblemError(_asymmetry(i, j, float(matrix[i, j]), float(matrix[j, i]), limit))
-    matrix = 0.5 * (matrix + matrix.T)
-    entries, own = matrix.tocoo(), matrix.diagonal() + limit * largest
-    # 2x2 minors, then 3x3 diagonal blocks, of G + limit max |G| I as in `checked_mirror`
-    over = entries.data**2 > own[entries.row] * own[entries.col]
-    over = (over & (entries.row > entries.col)) | ((entries.row == entries.col) & (own[entries.row] < 0.0))
-    if over.any():
-        k = int(np.argmax(over))
-        raise ProblemError(_indefinite(int(entries.row[k]), int(entries.col[k]), matrix.tocsr()))
-    near = entries.row // 3 == entries.col // 3
-    blocks, i, j = np.zeros((size // 3, 3, 3)), entries.row[near], entries.col[near]
-    blocks[i // 3, i % 3, j % 3] = entries.data[near] / (largest or 1.0)  # no cube overflows or vanishes
-    sunk = np.linalg.det(blocks + limit * np.eye(3)) < -1e-14 * np.trace(blocks, axis1=1, axis2=2) ** 3
-    if sunk.any():
-        raise ProblemError(_indefinite(3 * int(np.argmax(sunk)), 3 * int(np.argmax(sunk)) + 3, matrix))
+    mirror = matrix.T.tocsr()
+    if not (np.array_equal(matrix.indptr, mirror.indptr) and np.array_equal(matrix.indices, mirror.indices)):
+        matrix, mirror = _with_places_of(matrix, mirror), _with_places_of(mirror, matrix)
+    places, even = (matrix.indptr.astype(np.int64), matrix.indices.astype(np.int64)), matrix.data.copy()
+    scale, gap, i, j = checked_mirror_sparse(*places, even, mirror.data, limit)
+    if gap > limit * scale:
+        raise ProblemError(_asymmetry(i, j, float(matrix[i, j]), float(mirror[i, j]), limit))
+    matrix.data = even
+    if gap < 0.0:
+        raise ProblemError(_indefinite(i, j, matrix))
     if compliance is not None:
         matrix = matrix + sp.diags(compliance)
     return matrix.tocsr()
+
+
+def _with_places_of(matrix: Any, other: Any) -> Any:
+    """Return a CSR matrix with zeros where another one has entries and it has none."""
+    one, two = matrix.tocoo(), other.tocoo()
+    rows, columns = np.concatenate([one.row, two.row]), np.concatenate([one.col, two.col])
+    return sp.csr_matrix((np.append(one.data, 0.0 * two.data), (rows, columns)), shape=matrix.shape)
 
 
 def read_factor(Y: Any) -> Any:

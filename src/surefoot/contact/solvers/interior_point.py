@@ -54,10 +54,10 @@ STARTS = (1.0, 3.0, 10.0, 0.3)
 """First normal forces, over what stops each contact's speed: where one leads nowhere, the next is tried."""
 LEAST, AHEAD = 0.3, 10.0
 """Least centring while the residual is so many times the gap, over their scales: else the gap ends first."""
-POLISH_FROM, NEAR, COARSE, MOST_POLISH = 1e-5, 1e-3, 3e-5, 800
+POLISH_FROM, NEAR, COARSE, FIRST_POLISH, MOST_POLISH = 1e-5, 1e-3, 3e-5, 250, 800
 """Velocity error at which the path is left to polish what it found, that below which other forces are
-polished, the tolerance from which on no turn of the path is followed, and iterations of a polish: one that
-ends takes hundreds, others come to rest."""
+polished, the tolerance from which on no turn of the path is followed, and iterations of a polish where shifts
+can still be held, and else: one that ends takes hundreds, others come to rest."""
 POLISHED = 1e-7
 """Velocity error from which on no other start leads nearer."""
 SHORT, IDLE = 0.1, 3
@@ -198,7 +198,7 @@ class _Run:
             return False
         if error <= POLISH_FROM and self._follow(self.path[-1][1], 0, 0.0):
             return True
-        if self._polish():
+        if self._polish(FIRST_POLISH):
             return True
         self.last = near
         return self._hold(first) or self._polish()
@@ -243,12 +243,12 @@ class _Run:
         """Tell whether iterations or time are spent."""
         return self.done >= self.most or working_time() > self.end
 
-    def _polish(self) -> bool:
+    def _polish(self, most: int = MOST_POLISH) -> bool:
         """Polish the forces found last if they are near an answer; tell whether the problem is solved.
 
         Others may be nearer, where a polish came to rest before.
         """
-        return self.tol < self._error(self.last) <= NEAR and self._finish(polish, MOST_POLISH)
+        return self.tol < self._error(self.last) <= NEAR and self._finish(polish, most)
 
     def _finish(
         self, method: Callable[[ContactProblem, SolverSettings, FloatArray], Answer], most: int
