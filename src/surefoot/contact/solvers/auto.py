@@ -58,6 +58,8 @@ NEARLY = 1e-2
 POSSIBLE = 1e-3
 """A velocity error of many contacts below which forces are polished, and no proof of infeasibility is looked
 for before all else has failed."""
+NEARLY_SOLVED = 1e-6
+"""A velocity error that an interior point has left, from which Newton steps mostly end it."""
 SURELY = 1e-6
 """The same of few contacts."""
 EARLY_TIME, EARLY = 0.1, 0.1
@@ -108,19 +110,23 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     if error <= settings.tol or proof is not None:
         return Answer(forces.reshape(-1, 3), done, proof=proof)
     guess = None if far > NO_GUESS else forces.reshape(-1, 3)
-    if tried and worst_of(problem, tried[0]) < error:
-        guess = tried[0]
-    return _run(problem, settings, guess, done, _large_plan(problem, bool(tried)), start)
+    if tried and (found := worst_of(problem, tried[0])) < error:
+        guess, error = tried[0], found
+    return _run(problem, settings, guess, done, _large_plan(problem, bool(tried), error), start)
 
 
-def _large_plan(problem: ContactProblem, tried: bool) -> Plan:
+def _large_plan(problem: ContactProblem, tried: bool, error: float) -> Plan:
     """Return the plan of many contacts: ADMM first where bodies are known and few, or Newton steps heavy.
 
-    Without the interior point that was tried already, but for its long path.
+    Without the interior point that was tried already, but for its long path; where that has left a small
+    error, Newton steps from there come before all else.
     """
     lighter = problem.factor is not None and (few_bodies(problem) or problem.contacts > on_blocks.FULL)
     plan = (plans.CONES_BODIES if lighter else plans.CONES_LARGE)[problem.law]
-    return tuple(stage for stage in plan if not (tried and stage.name == plans.MANY))
+    if not tried:
+        return plan
+    rest = tuple(stage for stage in plan if stage.name != plans.MANY)
+    return (plans.AFTER, *rest) if error <= NEARLY_SOLVED else rest
 
 
 def _run_away(problem: ContactProblem, forces: FloatArray) -> bool:

@@ -65,8 +65,9 @@ SHORT, IDLE = 0.1, 3
 TURN, TURN_FROM, MOST_TURNING, PASSED = 0.3, 1e-2, 40, -0.15
 """Share of a whole step below which the path may turn, share of the first gap from which on it is followed by
 its length then, steps that this may take, and the change of the log gap after which the turn is passed."""
-MOST_UNEQUAL = 700
-"""Steps along turns of a path whose contacts have unequal shares of the gap."""
+MOST_UNEQUAL, AT_REST = 700, 1e-7
+"""Steps along turns of a path whose contacts have unequal shares of the gap, and the velocity error up to
+which it leads where the forces found are already."""
 LONG_WORK, MOST_FINISH, FINISH_FROM = 3e10, 12_000, 1e3
 """Multiplications of all matrices of a long path, iterations of ADMM from its end, and the velocity error,
 over the tolerance, at which they are first worth it."""
@@ -137,13 +138,12 @@ class _Run:
         self.tol, self.most, self.end, self.done = tol, most, end, 0
         self.coulomb = problem.law.shift != 0.0
         rows = np.repeat(active, 3)
-        self.mu, self.free = np.ascontiguousarray(problem.mu[active]), problem.g[rows]
+        self.mu, self.free = np.ascontiguousarray(problem.mu[active]), problem.g[rows].reshape(-1, 3)
         n = len(self.mu)
         # forces are x times it, y velocities times it: of mu = 0 the axis is left, and no row grows
         self.scale = np.empty((n, 3))
         self.scale[:, :2] = np.minimum(self.mu, 1.0)[:, None]
         self.scale[:, 2] = 1.0 / np.maximum(self.mu, 1.0)
-        self.factor = factor
         self.most_long = int(LONG_WORK / max(structure.work, 1.0))
         self.memory = StepMemory(ReducedSystem(factor, self.scale, structure), n)
         scales = np.ascontiguousarray(problem.scales[:, active])
@@ -180,7 +180,7 @@ class _Run:
             return True
         if self._end(first):
             return True
-        if unequally and not self._over():
+        if unequally and self.error > AT_REST and not self._over():
             self._follow_unequally(first, min(MOST_UNEQUAL, self.most_long), POLISH_FROM)
             if self.error <= self.tol or self._end(first):
                 return True
@@ -292,8 +292,7 @@ class _Run:
 
     def _velocities(self, forces: FloatArray) -> FloatArray:
         """Return u (n, 3) of forces (n, 3)."""
-        moved = self.factor @ (self.factor.T @ forces.ravel()) + self.free
-        return np.asarray(moved.reshape(-1, 3))
+        return self.memory.system.moved(forces) + self.free
 
     def _shift(self) -> FloatArray:
         """Return ||ȳ|| (n,) at `last`, a program's best forces; zero for the convex law."""

@@ -58,19 +58,25 @@ def unequal_shares(count: int) -> FloatArray:
 
 
 @inline_kernel
-def _inner(
-    axes: FloatArray, gap: float, dx: FloatArray, dy: FloatArray, px: FloatArray, py: FloatArray
-) -> float:
-    """Return the inner product of two steps of x and y (n, 3), without that of their log gaps."""
-    total = 0.0
+def _scale_steps(axes: FloatArray, gap: float, dx: FloatArray, dy: FloatArray, out: FloatArray) -> None:
+    """Fill out (2, n, 3) with steps of x and y (n, 3) in the scaled variables, over the root of the gap."""
+    root = 1.0 / math.sqrt(gap)
     for k in range(len(dx)):
-        a, b, c = apply_scaling(axes[k], -1.0, dx[k])
-        p, q, r = apply_scaling(axes[k], -1.0, px[k])
-        total += a * p + b * q + c * r
-        a, b, c = apply_scaling(axes[k], 1.0, dy[k])
-        p, q, r = apply_scaling(axes[k], 1.0, py[k])
-        total += a * p + b * q + c * r
-    return total / gap
+        p, q, r = apply_scaling(axes[k], -1.0, dx[k])
+        out[0, k, 0], out[0, k, 1], out[0, k, 2] = root * p, root * q, root * r
+        p, q, r = apply_scaling(axes[k], 1.0, dy[k])
+        out[1, k, 0], out[1, k, 1], out[1, k, 2] = root * p, root * q, root * r
+
+
+@inline_kernel
+def _inner(one: FloatArray, two: FloatArray) -> float:
+    """Return the inner product of two scaled steps (2, n, 3), without that of their log gaps."""
+    total = 0.0
+    for side in range(2):
+        for k in range(one.shape[1]):
+            for a in range(3):
+                total += one[side, k, a] * two[side, k, a]
+    return total
 
 
 @kernel
@@ -100,16 +106,22 @@ def path_step(
             aim[k, a] = own[k, a] + ahead[k, a]
     fill_direction(factors, rows, weights, axes, y, 1.0, ahead, none, moved, tx, ty)
     fill_direction(factors, rows, weights, axes, y, 1.0, aim, residual, moved, cx, cy)
-    size = math.sqrt(_inner(axes, gap, tx, ty, tx, ty) + n)
+    tangent, back_to = np.empty((2, n, 3)), np.empty((2, n, 3))
+    _scale_steps(axes, gap, tx, ty, tangent)
+    _scale_steps(axes, gap, cx, cy, back_to)
+    size = math.sqrt(_inner(tangent, tangent) + n)
     if sign == 0.0:
         sign = -1.0
         turns = size > TURNING * math.sqrt(2.0 * n)
-        along = _inner(axes, gap, motion.dx, motion.dy, tx, ty) + n * motion.log[0]
+        last = np.empty((2, n, 3))
+        _scale_steps(axes, gap, motion.dx, motion.dy, last)
+        along = _inner(last, tangent) + n * motion.log[0]
         sign = 1.0 if turns and along > 0.0 else -1.0
-    part = _inner(axes, gap, cx, cy, tx, ty) / size**2
+    part = _inner(back_to, tangent) / size**2
     cx -= part * tx
     cy -= part * ty
-    off = math.sqrt(_inner(axes, gap, cx, cy, cx, cy) + n * part * part)
+    back_to -= part * tangent
+    off = math.sqrt(_inner(back_to, back_to) + n * part * part)
     back = min(1.0, BACK * longest_inside(x, border_x, y, border_y, cx, cy))
     tx *= sign / size
     ty *= sign / size

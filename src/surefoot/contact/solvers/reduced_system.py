@@ -59,14 +59,14 @@ def gather_rows(rows: Rows, forces: FloatArray, out: FloatArray) -> None:
     out[:] = 0.0
     columns = rows.columns
     for k in range(len(forces)):
-        for a in range(3):
-            x = forces[k, a]
-            if columns.size == 0:
-                for j in range(out.size):
-                    out[j] += rows.values[3 * k + a, j] * x
-            else:
-                for c in range(columns.shape[1]):
-                    out[columns[k, c]] += rows.values[3 * k + a, c] * x
+        x, y, z = forces[k, 0], forces[k, 1], forces[k, 2]
+        one, two, three = rows.values[3 * k], rows.values[3 * k + 1], rows.values[3 * k + 2]
+        if columns.size == 0:
+            for j in range(out.size):
+                out[j] += one[j] * x + two[j] * y + three[j] * z
+        else:
+            for c in range(columns.shape[1]):
+                out[columns[k, c]] += one[c] * x + two[c] * y + three[c] * z
 
 
 @inline_kernel
@@ -81,10 +81,23 @@ def apply_rows(rows: Rows, v: FloatArray, out: FloatArray) -> None:
                 out[i] += rows.across[j, i] * x
     else:
         for k in range(len(columns)):
+            one, two, three = rows.values[3 * k], rows.values[3 * k + 1], rows.values[3 * k + 2]
+            x = y = z = 0.0
             for c in range(columns.shape[1]):
-                x = v[columns[k, c]]
-                for a in range(3):
-                    out[3 * k + a] += rows.values[3 * k + a, c] * x
+                moved = v[columns[k, c]]
+                x += one[c] * moved
+                y += two[c] * moved
+                z += three[c] * moved
+            out[3 * k], out[3 * k + 1], out[3 * k + 2] = x, y, z
+
+
+@kernel
+def square_rows(rows: Rows, forces: FloatArray) -> FloatArray:
+    """Return the rows times their transpose times forces (n, 3), as (n, 3)."""
+    v, out = np.empty(rows.size), np.empty(forces.size)
+    gather_rows(rows, forces, v)
+    apply_rows(rows, v, out)
+    return out.reshape(-1, 3)
 
 
 @inline_kernel
@@ -205,15 +218,25 @@ class ReducedSystem:
     """
 
     def __init__(self, factor: Any, scale: FloatArray, structure: Structure) -> None:
-        self.band = structure.band
+        self.band, self._factor = structure.band, factor
         if structure.moves is not None:
-            self.rows = _narrow(factor[:, structure.order], scale.ravel(), structure.moves)
+            ordered = factor[:, structure.order]
+            self.rows = _narrow(ordered, scale.ravel(), structure.moves)
+            self._own = self.rows._replace(
+                values=_narrow(ordered, np.ones(scale.size), structure.moves).values
+            )
             return
         values = factor if isinstance(factor, np.ndarray) else factor.toarray()
         values = np.ascontiguousarray(scale.reshape(-1, 1) * values)
         columns = np.empty((0, 0), dtype=np.int64)
         self.rows = Rows(values, np.ascontiguousarray(values.T), columns, values.shape[1])
         self._weighed, self._diagonal = np.empty_like(values), np.diag_indices(values.shape[1])
+
+    def moved(self, forces: FloatArray) -> FloatArray:
+        """Return Y Yᵀ times forces (n, 3) as (n, 3), of the rows as they were before they were scaled."""
+        if self.band:
+            return square_rows(self._own, forces)
+        return np.asarray(self._factor @ (self._factor.T @ forces.ravel())).reshape(-1, 3)
 
     def factorise(self, weights: FloatArray) -> Factors | None:
         """Return the factors for weights P S⁻¹ (n, 3, 3); None where LAPACK has none."""

@@ -83,7 +83,7 @@ CONES_MORE: dict[str, Plan] = {
 """After the first round of the compiled call on more contacts: a dense iteration of ADMM costs more than a
 sweep on blocks."""
 _FIRST = PlanStage(NEWTON_STEPS, 60), PlanStage(PARTS), PlanStage(MANY)
-_AFTER = PlanStage(NEWTON_STEPS, 100, warm=True)
+AFTER = PlanStage(NEWTON_STEPS, 100, warm=True)
 """What comes before and after the first iterations of ADMM: Newton finds the modes of most, and again those
 that ADMM's forces suggest."""
 _LAST: dict[str, Plan] = {
@@ -97,9 +97,9 @@ _LAST: dict[str, Plan] = {
     "convex": (PlanStage(PROOF), PlanStage(ADMM_AND_NEWTON, 4000, warm=True), PlanStage(PROOF)),
 }
 """What is left for the few that all of it leaves open."""
-CONES_LARGE = {law: (*_FIRST, PlanStage("admm", 1000), _AFTER, *last) for law, last in _LAST.items()}
+CONES_LARGE = {law: (*_FIRST, PlanStage("admm", 1000), AFTER, *last) for law, last in _LAST.items()}
 """After sweeps and Newton steps on blocks."""
-CONES_BODIES = {law: (PlanStage("admm", 3000), *_FIRST, _AFTER, *last) for law, last in _LAST.items()}
+CONES_BODIES = {law: (PlanStage("admm", 3000), *_FIRST, AFTER, *last) for law, last in _LAST.items()}
 """The same where the bodies are known and few, or contacts over 500: an iteration of ADMM is then as light as
 a sweep, and Newton steps are heavy."""
 PYRAMIDS: dict[str, Plan] = {
