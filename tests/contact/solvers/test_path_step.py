@@ -10,7 +10,7 @@ from surefoot.contact.solvers import interior_point
 from surefoot.contact.solvers.central_step import Iterate, Scaling, fill_residual
 from surefoot.contact.solvers.cone_pairs import centrality, scale_pairs
 from surefoot.contact.solvers.delassus_factor import find_factor
-from surefoot.contact.solvers.path_step import Motion, path_step, unequal_shares
+from surefoot.contact.solvers.path_step import IRRATIONAL, Motion, path_step, unequal_shares
 from surefoot.contact.solvers.reduced_system import ReducedSystem, find_structure, orientation
 
 NOTHING = np.empty(0)
@@ -117,3 +117,13 @@ def test_shares_of_the_gap_are_unequal_and_one_in_the_mean() -> None:
     assert shares.min() >= 0.5
     assert shares.max() <= 1.5
     assert shares.mean() == pytest.approx(1.0, abs=0.01)
+
+
+@pytest.mark.parametrize("count", [1, 7, 144, 1000])
+def test_shares_of_either_number_differ_and_have_mean_one(count: int) -> None:
+    one, other = (unequal_shares(count, number) for number in range(len(IRRATIONAL)))
+    for shares in (one, other):
+        assert len(np.unique(shares)) == count
+        assert 0.5 <= shares.min() <= shares.max() <= 1.5
+        assert abs(shares.mean() - 1.0) < 0.5 / count + 1e-3
+    assert not np.allclose(one, other)

@@ -39,6 +39,7 @@ from surefoot.contact.solvers.central_step import Iterate, fill_residual
 from surefoot.contact.solvers.delassus_factor import find_factor
 from surefoot.contact.solvers.mixing import Mixing
 from surefoot.contact.solvers.on_blocks import admm_and_newton
+from surefoot.contact.solvers.path_step import IRRATIONAL, unequal_shares
 from surefoot.contact.solvers.polish import polish
 from surefoot.contact.solvers.reduced_system import ReducedSystem, Structure
 from surefoot.contact.solvers.solver import Answer, SolverSettings, nearest_to_zero, register
@@ -206,17 +207,21 @@ class _Run:
     def go_long(self) -> None:
         """Follow a path with unequal shares as far as it goes, and go on by ADMM and Newton from there.
 
-        It winds: of a wall of 60 bricks some thousand steps lead from an error of 5e-3 to one of 1e-3.
+        Where it is lost another one is followed, with other shares. It winds: of a wall of 60 bricks some
+        thousand steps lead from an error of 5e-3 to one of 1e-3.
         """
-        if not self.coulomb:
-            return
-        point, left = self._start(STARTS[0]), self.most_long
-        for enough in sorted({POLISH_FROM, max(FINISH_FROM * self.tol, POLISH_FROM)}, reverse=True):
-            before = self.done
-            point = self._follow_unequally(point, left, enough)
-            left -= self.done - before
-            if self.error <= self.tol or self._finish(admm_and_newton, MOST_FINISH) or self._over():
-                return
+        left = self.most_long if self.coulomb else 0
+        for number in range(len(IRRATIONAL)):
+            point = self._start(STARTS[0])
+            self.memory.unequal = unequal_shares(len(self.mu), number)
+            for enough in sorted({POLISH_FROM, max(FINISH_FROM * self.tol, POLISH_FROM)}, reverse=True):
+                if left <= 0:
+                    return
+                before = self.done
+                point = self._follow_unequally(point, left, enough)
+                left -= self.done - before
+                if self.error <= self.tol or self._finish(admm_and_newton, MOST_FINISH) or self._over():
+                    return
 
     def _follow_unequally(self, point: Iterate, most: int, enough: float) -> Iterate:
         """Follow a path by its length, with unequal shares of the gap; return the point where it ends.

@@ -48,13 +48,17 @@ class Motion(NamedTuple):
     log: FloatArray
 
 
-def unequal_shares(count: int) -> FloatArray:
+IRRATIONAL = 0.5 * (math.sqrt(5.0) - 1.0), math.sqrt(2.0) - 1.0
+"""Their multiples spread the shares; any others would do, but for equal ones."""
+
+
+def unequal_shares(count: int, number: int = 0) -> FloatArray:
     """Return shares of the gap (n,), one a contact, of mean one or nearly, no two alike.
 
-    The golden ratio's multiples spread them; any others would do, but for equal ones.
+    The number, of `IRRATIONAL`, tells by which multiples they are spread.
     """
-    golden = 0.5 * (math.sqrt(5.0) - 1.0)
-    return np.asarray(1.0 + UNEQUAL * (2.0 * ((np.arange(1, count + 1) * golden) % 1.0) - 1.0))
+    spread = np.arange(1, count + 1) * IRRATIONAL[number] % 1.0
+    return np.asarray(1.0 + UNEQUAL * (2.0 * spread - 1.0))
 
 
 @inline_kernel
