@@ -26,7 +26,8 @@ from surefoot.records.identification.toss_start import TossFlight, flying_frames
 from surefoot.records.identification.tosses import Tosses, read_tosses
 from surefoot.worlds.bullet.bullet_world import import_bullet
 from surefoot.worlds.drake import drake_python
-from surefoot.worlds.experiments.tosses import DrakeBody, MujocoBody
+from surefoot.worlds.experiments.drake_tosses import DrakeBody
+from surefoot.worlds.experiments.mujoco_tosses import MujocoBody
 
 MUJOCO = (0.02, 1.0, 0.9, 0.95)
 """Its solref and the first two of its solimp."""

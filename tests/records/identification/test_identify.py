@@ -26,7 +26,7 @@ from surefoot.records.identification.toss_search import search
 from surefoot.records.identification.toss_start import TossFlight, flying_frames
 from surefoot.records.identification.tosses import Cube, Tosses
 from surefoot.worlds.drake import drake_python
-from surefoot.worlds.experiments.tosses import DrakeBody
+from surefoot.worlds.experiments.drake_tosses import DrakeBody
 
 TRUTH, GROUND = (0.2, 0.2, 0.003), (0.003, 0.01, -0.005)
 COM = 0.005

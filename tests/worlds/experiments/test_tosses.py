@@ -17,7 +17,8 @@ from surefoot.records.identification.thrown_body import ThrownBody, cube_body, t
 from surefoot.records.identification.toss_model import ThrownModel, TossModel, TossScene
 from surefoot.records.identification.tosses import Cube
 from surefoot.worlds.drake import drake_python
-from surefoot.worlds.experiments.tosses import RIVALS, MujocoBody
+from surefoot.worlds.experiments.mujoco_tosses import MujocoBody
+from surefoot.worlds.experiments.tosses import RIVALS
 from surefoot.worlds.experiments.tosses import rival as known
 
 STIFF = {
