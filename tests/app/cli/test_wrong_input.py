@@ -133,7 +133,7 @@ CASES = [
     ("identify tosses.npz --law hertz", "unknown contact law 'hertz'; valid names: growing-friction, newton"),
     ("identify tosses.npz --model none.urdf", "no URDF file at none.urdf"),
     ("identify tosses.npz --model panda", "a thrown body has a free base"),
-    ("identify tosses.npz --rivals bullet", "unknown rival 'bullet'; valid names: drake, mujoco"),
+    ("identify tosses.npz --rivals ode", "unknown rival 'ode'; valid names: bullet, drake, mujoco"),
     ("identify tosses.npz --seed -1", "--seed must be"),
     ("identify tosses.npz --resamples 1", "--resamples must be"),
     ("identify tosses.npz --out good.npz/x", "cannot write to --out good.npz/x"),

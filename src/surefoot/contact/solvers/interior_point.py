@@ -297,7 +297,7 @@ class _Run:
 
     def _velocities(self, forces: FloatArray) -> FloatArray:
         """Return u (n, 3) of forces (n, 3)."""
-        return self.memory.system.moved(forces) + self.free
+        return self.memory.system.multiply_square(forces) + self.free
 
     def _shift(self) -> FloatArray:
         """Return ||ȳ|| (n,) at `last`, a program's best forces; zero for the convex law."""

@@ -232,7 +232,7 @@ class ReducedSystem:
         self.rows = Rows(values, np.ascontiguousarray(values.T), columns, values.shape[1])
         self._weighed, self._diagonal = np.empty_like(values), np.diag_indices(values.shape[1])
 
-    def moved(self, forces: FloatArray) -> FloatArray:
+    def multiply_square(self, forces: FloatArray) -> FloatArray:
         """Return Y Yᵀ times forces (n, 3) as (n, 3), of the rows as they were before they were scaled."""
         if self.band:
             return square_rows(self._own, forces)
