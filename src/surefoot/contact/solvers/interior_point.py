@@ -66,9 +66,8 @@ SHORT, IDLE = 0.1, 3
 TURN, TURN_FROM, MOST_TURNING, PASSED = 0.3, 1e-2, 40, -0.15
 """Share of a whole step below which the path may turn, share of the first gap from which on it is followed by
 its length then, steps that this may take, and the change of the log gap after which the turn is passed."""
-MOST_UNEQUAL, AT_REST = 700, 1e-7
-"""Steps along turns of a path whose contacts have unequal shares of the gap, and the velocity error up to
-which it leads where the forces found are already."""
+MOST_UNEQUAL = 700
+"""Steps along turns of a path whose contacts have unequal shares of the gap."""
 LONG_WORK, MOST_FINISH, FINISH_FROM = 3e10, 12_000, 1e3
 """Multiplications of all matrices of a long path, iterations of ADMM from its end, and the velocity error,
 over the tolerance, at which they are first worth it."""
@@ -181,7 +180,7 @@ class _Run:
             return True
         if self._end(first):
             return True
-        if unequally and self.error > AT_REST and not self._over():
+        if unequally and not self._over():
             self._follow_unequally(first, min(MOST_UNEQUAL, self.most_long), POLISH_FROM)
             if self.error <= self.tol or self._end(first):
                 return True
