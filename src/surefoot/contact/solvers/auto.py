@@ -58,10 +58,10 @@ NEARLY = 1e-2
 POSSIBLE = 1e-3
 """A velocity error of many contacts below which forces are polished, and no proof of infeasibility is looked
 for before all else has failed."""
-NEARLY_SOLVED = 1e-6
-"""A velocity error that an interior point has left, from which Newton steps mostly end it."""
 SURELY = 1e-6
 """The same of few contacts."""
+NEARLY_SOLVED = 1e-6
+"""A velocity error that an interior point has left, from which Newton steps mostly end it."""
 EARLY_TIME, EARLY = 0.1, 0.1
 """Seconds that an early look for a proof may take at least, and the share of what time is left."""
 NO_GUESS = 0.1

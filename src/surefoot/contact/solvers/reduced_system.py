@@ -220,11 +220,8 @@ class ReducedSystem:
     def __init__(self, factor: Any, scale: FloatArray, structure: Structure) -> None:
         self.band, self._factor = structure.band, factor
         if structure.moves is not None:
-            ordered = factor[:, structure.order]
-            self.rows = _narrow(ordered, scale.ravel(), structure.moves)
-            self._own = self.rows._replace(
-                values=_narrow(ordered, np.ones(scale.size), structure.moves).values
-            )
+            self._own = _narrow(factor[:, structure.order], structure.moves)
+            self.rows = self._own._replace(values=scale.reshape(-1, 1) * self._own.values)
             return
         values = factor if isinstance(factor, np.ndarray) else factor.toarray()
         values = np.ascontiguousarray(scale.reshape(-1, 1) * values)
@@ -252,8 +249,8 @@ class ReducedSystem:
         return None if failed else Factors(lu.T, pivots, self.band)
 
 
-def _narrow(factor: Any, scale: FloatArray, moves: Any) -> Rows:
-    """Return the rows of a sparse factor (3n, r), scaled by (3n,), on the columns that its contacts move."""
+def _narrow(factor: Any, moves: Any) -> Rows:
+    """Return the rows of a sparse factor (3n, r) on the columns that its contacts move."""
     n, r = moves.shape
     width = int(np.diff(moves.indptr).max(initial=1))
     contact = np.repeat(np.arange(n), np.diff(moves.indptr))
@@ -265,7 +262,7 @@ def _narrow(factor: Any, scale: FloatArray, moves: Any) -> Rows:
     columns[contact, slot] = moves.indices
     row = np.repeat(np.arange(3 * n), np.diff(factor.indptr))
     place = np.searchsorted(contact * r + moves.indices, row // 3 * r + factor.indices)
-    values[row, slot[place]] = factor.data * scale[row]
+    values[row, slot[place]] = factor.data
     return Rows(values, np.empty((0, 0)), columns, r)
 
 

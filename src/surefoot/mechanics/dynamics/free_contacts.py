@@ -15,6 +15,7 @@ import scipy.sparse as sp
 
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import kernel
+from surefoot.base.numerics.cholesky import solve_lower, solve_upper
 from surefoot.base.numerics.rotations import rotation_of
 from surefoot.contact import COMPILED_CONTACTS
 from surefoot.mechanics.dynamics import arithmetic
@@ -239,12 +240,8 @@ def weigh_blocks(bodies: IntArray, blocks: FloatArray, L: FloatArray) -> FloatAr
             b = bodies[c, side]
             if b >= 0:
                 for a in range(3):
-                    row = out[c, side, a]
-                    for i in range(6):
-                        total = blocks[c, side, a, i]
-                        for k in range(i):
-                            total -= L[b, i, k] * row[k]
-                        row[i] = total / L[b, i, i]
+                    out[c, side, a] = blocks[c, side, a]
+                    solve_lower(L[b], out[c, side, a])
     return out
 
 
@@ -289,9 +286,7 @@ def push_blocks(
                         change[b, k] += blocks[c, side, i, k] * impulses[c, i]
     out = free.copy()
     for b in range(L.shape[0]):
-        for i in range(5, -1, -1):
-            for k in range(i + 1, 6):
-                change[b, i] -= L[b, k, i] * change[b, k]
-            change[b, i] /= L[b, i, i]
+        solve_upper(L[b], change[b])
+        for i in range(6):
             out[6 * b + i] += change[b, i]
     return out
