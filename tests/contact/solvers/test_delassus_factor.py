@@ -28,7 +28,7 @@ def test_walls_and_stacks_have_a_sparse_one(made: sf.ContactProblem) -> None:
     assert found is not None
     Y, structure = found
     assert sp.issparse(Y)
-    assert structure.band > 0
+    assert structure.sparse
     assert Y.shape[1] == np.linalg.matrix_rank(problem.G, tol=1e-9)
     assert largest_miss(Y, problem.G) <= 1e-10
 

@@ -11,7 +11,7 @@ from surefoot.contact.solvers.central_step import Iterate, Scaling, fill_residua
 from surefoot.contact.solvers.cone_pairs import centrality, scale_pairs
 from surefoot.contact.solvers.delassus_factor import find_factor
 from surefoot.contact.solvers.path_step import IRRATIONAL, Motion, path_step, unequal_shares
-from surefoot.contact.solvers.reduced_system import ReducedSystem, find_structure, orientation
+from surefoot.contact.solvers.reduced_system import ReducedSystem, find_structure
 
 NOTHING = np.empty(0)
 N, R = 10, 6
@@ -42,7 +42,7 @@ class Path:
         after = Iterate(np.empty((N, 3)), np.empty(N), np.empty((N, 3)), np.empty(N))
         shares, sign = np.ones(N), 0.0
         if self.unequal:
-            shares, sign = unequal_shares(N), -orientation(factors)
+            shares, sign = unequal_shares(N), -factors.sign
         length, log, _ = path_step(
             factors, system.rows, self.point, self.residual, scaling, gap, self.motion, shares, sign, 1.0,
             after,

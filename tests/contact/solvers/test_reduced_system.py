@@ -1,4 +1,4 @@
-"""The matrix of an interior point's step is the same, dense or a band, and so are its solutions."""
+"""The matrix of an interior point's step is the same, dense or sparse, and so are its solutions."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from surefoot.contact.solvers.reduced_system import (
     apply_rows,
     find_structure,
     gather_rows,
-    orientation,
     solve_factors,
 )
 
@@ -48,20 +47,21 @@ def test_the_system_is_what_it_says(seed: int, sparse: bool) -> None:
     scale, weights = rng.uniform(0.3, 1.0, size=(n, 3)), weights_of(n, seed)
     factor = Y if sparse else Y.toarray()
     structure = find_structure(factor)
-    assert (structure.band > 0) == sparse
-    if sparse:
-        assert structure.band <= 40
+    assert structure.sparse == sparse
     system = ReducedSystem(factor, scale, structure)
     rows, r = system.rows, Y.shape[1]
-    own = scale.reshape(-1, 1) * Y.toarray()
-    own = own[:, structure.order] if sparse else own
-    forces, v = rng.normal(size=(n, 3)), rng.normal(size=r)
-    right = v.copy()
+    place = structure.place if sparse else np.arange(r)
+    own = np.zeros((3 * n, rows.size))
+    own[:, place] = scale.reshape(-1, 1) * Y.toarray()
+    forces, v = rng.normal(size=(n, 3)), rng.normal(size=rows.size)
+    right, r = v.copy(), rows.size
     gathered, applied = np.empty(r), np.empty(3 * n)
     gather_rows(rows, forces, gathered)
     apply_rows(rows, v, applied)
     np.testing.assert_allclose(gathered, own.T @ forces.ravel(), atol=1e-12)
     np.testing.assert_allclose(applied, own @ v, atol=1e-12)
+    square = np.asarray(Y @ (Y.T @ forces.ravel())).reshape(n, 3)
+    np.testing.assert_allclose(system.multiply_square(forces), square, atol=1e-10)
     matrix = np.eye(r)
     for k in range(n):
         part = own[3 * k : 3 * k + 3]
@@ -70,11 +70,11 @@ def test_the_system_is_what_it_says(seed: int, sparse: bool) -> None:
     assert factors is not None
     solve_factors(factors, v)
     np.testing.assert_allclose(matrix @ v, right, atol=1e-8)
-    assert orientation(factors) == np.linalg.slogdet(matrix)[0]
+    assert factors.sign == np.linalg.slogdet(matrix)[0]
 
 
-def test_the_orientation_is_the_sign_of_the_determinant() -> None:
-    """Of matrices of either sign, dense and banded: I + Yᵀ W Y with weights that are not positive."""
+def test_the_sign_is_the_sign_of_the_determinant() -> None:
+    """Of matrices of either sign, dense and sparse: I + Yᵀ W Y with weights that are not positive."""
     signs = []
     for seed in range(20):
         Y = heap(12, seed)
@@ -84,7 +84,7 @@ def test_the_orientation_is_the_sign_of_the_determinant() -> None:
         for factor in (Y, dense):
             factors = ReducedSystem(factor, np.ones((n, 3)), find_structure(factor)).factorise(weights)
             assert factors is not None
-            found.append(orientation(factors))
+            found.append(factors.sign)
         matrix = np.eye(Y.shape[1])
         for k in range(n):
             matrix += dense[3 * k : 3 * k + 3].T @ weights[k] @ dense[3 * k : 3 * k + 3]
@@ -93,14 +93,14 @@ def test_the_orientation_is_the_sign_of_the_determinant() -> None:
     assert set(signs) == {-1.0, 1.0}
 
 
-def test_few_bodies_that_all_touch_each_other_are_no_band() -> None:
+def test_few_bodies_that_all_touch_each_other_are_dense() -> None:
     rng = np.random.default_rng(0)
     blocks = []
     for one, other in ((0, 1), (0, 2), (1, 2)):
         rows = np.zeros((3, 18))
         rows[:, 6 * one : 6 * one + 6], rows[:, 6 * other : 6 * other + 6] = rng.normal(size=(2, 3, 6))
         blocks.append(rows)
-    assert find_structure(sp.csr_matrix(np.vstack(blocks))).band == 0
+    assert not find_structure(sp.csr_matrix(np.vstack(blocks))).sparse
 
 
 def test_a_singular_matrix_has_no_factors() -> None:

@@ -119,8 +119,8 @@ def find_factor(
     if not known and problem.g.size >= SPARSE_FROM:
         factor = sparse_factor(problem, rows)
     structure = None if factor is None else find_structure(factor)
-    # of what is no band the pivots of a dense one leave less rounding
-    if structure is None or not (known or structure.band):
+    # of what is not sparse the pivots of a dense one leave less rounding
+    if structure is None or not (known or structure.sparse):
         if problem.g.size * likely_rank(problem) ** 2 > most:
             return None
         G = problem.G if rows.all() else problem.G[np.ix_(rows, rows)]

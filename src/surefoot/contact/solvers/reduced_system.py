@@ -1,10 +1,8 @@
-"""The matrix of an interior point's step, I + Yᵀ P S⁻¹ Y: dense, or a band where the bodies are known.
+"""The matrix of an interior point's step, I + Yᵀ P S⁻¹ Y: dense, or sparse where the bodies are known.
 
-The rows of a contact move the few bodies that meet there: in the order of Cuthill and McKee, which numbers
-bodies that touch near each other, the matrix is a band, whose factors take a wall or a pit of balls a tenth
-of the time. Known are the bodies where the problem has a sparse factor.
-
-Source: E. Cuthill, J. McKee, "Reducing the bandwidth of sparse symmetric matrices", 1969.
+The rows of a contact move the few bodies that meet there: the matrix has a block where two bodies touch, and
+its factors fill few others (`elimination`). A pit of 100 balls at rest takes a fifth of the time of a band,
+let alone of a dense matrix. Known are the bodies where the problem has a sparse factor.
 """
 
 from __future__ import annotations
@@ -17,10 +15,25 @@ import scipy.sparse as sp
 
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import inline_kernel, kernel
+from surefoot.contact.solvers.block_factors import factorise_blocks, fill_blocks, solve_blocks
 from surefoot.contact.solvers.cone_pairs import weigh_rows
+from surefoot.contact.solvers.elimination import (
+    ALIKE,
+    NOTHING,
+    SIZE,
+    Elimination,
+    find_elimination,
+    find_places,
+    group_columns,
+    least_degree,
+)
 
-BANDED = 0.2
-"""A band is taken where its factors and its assembly take less than this share of a dense matrix's work."""
+PRODUCT = 800.0
+"""Multiplications that LAPACK does while one product of blocks is taken."""
+WORTH = 0.2
+"""Sparse factors are taken where they take less than this share of a dense matrix's work."""
+MOST_BLOCKS = 2000
+"""Blocks up to which they are looked for: what is filled is kept in full."""
 
 
 class Rows(NamedTuple):
@@ -29,7 +42,8 @@ class Rows(NamedTuple):
     Attributes
     ----------
     values, across
-        (3n, r) all of them, and transposed; of a band (3n, w) those columns that a contact moves, and empty.
+        (3n, r) all of them, and transposed; of a sparse matrix (3n, w) the columns that a contact moves, and
+        empty.
     columns
         (n, w) which these are, filled up where there are fewer; (0, 0) where all are kept.
     size
@@ -43,14 +57,29 @@ class Rows(NamedTuple):
 
 
 class Factors(NamedTuple):
-    """LAPACK's factors, transposed, with their pivots (r,).
+    """The factors of a dense matrix or of a sparse one; the other's parts are empty.
 
-    Of a dense matrix (r, r); of one with so many diagonals on either side as `band` says (r, 3 band + 1).
+    Attributes
+    ----------
+    lu
+        LAPACK's, transposed (r, r).
+    blocks, starts, below
+        Of `factorise_blocks`, and where they are: see `Elimination`.
+    pivots
+        (r,) of either.
+    sign
+        That of the determinant; zero where there are no factors.
     """
 
     lu: FloatArray
+    blocks: FloatArray
+    starts: IntArray
+    below: IntArray
     pivots: IntArray
-    band: int
+    sign: float
+
+
+NO_LU, NO_BLOCKS = np.empty((0, 0)), np.empty((0, SIZE, SIZE))
 
 
 @inline_kernel
@@ -103,8 +132,8 @@ def square_rows(rows: Rows, forces: FloatArray) -> FloatArray:
 @inline_kernel
 def solve_factors(factors: Factors, right: FloatArray) -> None:
     """Solve in place for a right-hand side (r,)."""
-    if factors.band > 0:
-        _solve_band(factors.lu, factors.pivots, factors.band, right)
+    if factors.starts.size > 0:
+        solve_blocks(factors.starts, factors.below, factors.blocks, factors.pivots, right)
         return
     columns, pivots, r = factors.lu, factors.pivots, right.size
     for k in range(r):
@@ -121,87 +150,70 @@ def solve_factors(factors: Factors, right: FloatArray) -> None:
             right[i] -= columns[k, i] * x
 
 
-@inline_kernel
-def _solve_band(columns: FloatArray, pivots: IntArray, band: int, right: FloatArray) -> None:
-    """Solve in place with factors of `dgbtrf`: row k has column k, its diagonal at 2 band."""
-    r, middle = right.size, 2 * band
-    for k in range(r):
-        other = pivots[k]
-        right[k], right[other] = right[other], right[k]
-        x = right[k]
-        for i in range(1, min(band, r - 1 - k) + 1):
-            right[k + i] -= columns[k, middle + i] * x
-    for k in range(r - 1, -1, -1):
-        x = right[k] / columns[k, middle]
-        right[k] = x
-        least = min(middle, k)
-        for i in range(least):
-            right[k - least + i] -= columns[k, middle - least + i] * x
-
-
-@kernel
-def _fill_band(rows: Rows, weights: FloatArray, band: int, out: FloatArray) -> None:
-    """Fill out (r, 3 band + 1) with the columns of I + Yᵀ P S⁻¹ Y, weights P S⁻¹ (n, 3, 3)."""
-    out[:] = 0.0
-    out[:, 2 * band] = 1.0
-    values, columns = rows.values, rows.columns
-    w = columns.shape[1]
-    for k in range(len(weights)):
-        for d in range(w):
-            j = columns[k, d]
-            p, q, s = values[3 * k, d], values[3 * k + 1, d], values[3 * k + 2, d]
-            if p == 0.0 and q == 0.0 and s == 0.0:
-                continue
-            a = weights[k, 0, 0] * p + weights[k, 0, 1] * q + weights[k, 0, 2] * s
-            b = weights[k, 1, 0] * p + weights[k, 1, 1] * q + weights[k, 1, 2] * s
-            c = weights[k, 2, 0] * p + weights[k, 2, 1] * q + weights[k, 2, 2] * s
-            for e in range(w):
-                product = values[3 * k, e] * a + values[3 * k + 1, e] * b + values[3 * k + 2, e] * c
-                out[j, 2 * band + columns[k, e] - j] += product
-
-
 class Structure(NamedTuple):
-    """What the matrix of a factor is: its band, the order of its columns, and the work of its factors.
+    """What the matrix of a factor is.
 
     Attributes
     ----------
-    band
-        Diagonals on either side; zero for a dense matrix.
-    order
-        (r,) of the columns; empty for a dense matrix.
-    moves
-        Which columns a contact moves, (n, r) in compressed rows; None for a dense matrix.
+    elimination
+        Of its blocks; `NOTHING` for a dense matrix.
+    place
+        (r,) of the factor's columns among the unknowns of all blocks; -1 for those that move no contact.
+    moved, products
+        (n, b) blocks that each contact moves, -1 where it moves fewer, and (n, b, b) the places of their
+        products.
     work
-        About so many multiplications take the matrix and its factors.
+        About so many multiplications of LAPACK take as long as the matrix and its factors.
     """
 
-    band: int
-    order: IntArray
-    moves: Any
+    elimination: Elimination
+    place: IntArray
+    moved: IntArray
+    products: IntArray
     work: float
+
+    @property
+    def sparse(self) -> bool:
+        """Whether the matrix is kept as blocks."""
+        return self.elimination.starts.size > 0
 
 
 def find_structure(factor: Any) -> Structure:
-    """Return what the matrix of Y (3n, r) is: a band where Y is sparse and that takes much less work."""
+    """Return what the matrix of Y (3n, r) is: sparse where Y is, and where that takes much less work."""
     m, r = factor.shape
-    dense = Structure(0, np.empty(0, dtype=np.int64), None, float(m) * r * r)
+    none = np.empty(0, dtype=np.int64)
+    dense = Structure(NOTHING, none, none.reshape(0, 0), none.reshape(0, 0, 0), float(m) * r * r)
     if isinstance(factor, np.ndarray):
         return dense
     contact = np.repeat(np.arange(m) // 3, np.diff(factor.indptr))
     moves: Any = sp.csr_matrix((np.ones(factor.nnz), (contact, factor.indices)), shape=(m // 3, r))
-    pattern: Any = (moves.T @ moves).tocsr()
-    order = sp.csgraph.reverse_cuthill_mckee(pattern, symmetric_mode=True).astype(np.int64)
-    place = np.empty(r, dtype=np.int64)
-    place[order] = np.arange(r)
-    row = np.repeat(np.arange(r), np.diff(pattern.indptr))
-    band = int(np.abs(place[row] - place[pattern.indices]).max(initial=1))
-    width = int(np.diff(moves.indptr).max(initial=1))
-    work = float(r) * band * band + float(m) * width * width
-    if work >= BANDED * dense.work:
+    by_column = moves.tocsc()
+    by_column.sort_indices()
+    where = group_columns(by_column.indptr, by_column.indices, SIZE, ALIKE)
+    count = int(where.max(initial=-1)) // SIZE + 1
+    if not 0 < count <= MOST_BLOCKS:
         return dense
-    placed: Any = sp.csr_matrix((moves.data, place[moves.indices], moves.indptr), shape=moves.shape)
-    placed.sort_indices()
-    return Structure(band, order, placed, work)
+    # which blocks a contact moves, numbered as they are eliminated
+    group = where // SIZE
+    met: Any = sp.csr_matrix((np.ones(moves.nnz), group[moves.indices], moves.indptr), shape=(m // 3, count))
+    order = least_degree((met.T @ met).tocsc())
+    number = np.empty(count, dtype=np.int64)
+    number[order] = np.arange(count)
+    met = sp.csr_matrix((met.data, number[met.indices], met.indptr), shape=met.shape)
+    met.sum_duplicates()
+    elimination = find_elimination((met.T @ met).tocsr(), WORTH * dense.work / PRODUCT)
+    if elimination is None:
+        return dense
+    widths = np.diff(met.indptr)
+    moved = np.full((m // 3, int(widths.max())), -1)
+    slot = np.arange(met.nnz) - np.repeat(met.indptr[:-1], widths)
+    moved[np.repeat(np.arange(m // 3), widths), slot] = met.indices
+    one, two = np.broadcast_arrays(moved[:, :, None], moved[:, None, :])
+    both = (one >= 0) & (two >= 0)
+    products = np.where(both, find_places(elimination, np.maximum(one, 0), np.maximum(two, 0)), -1)
+    place = np.where(where < 0, -1, SIZE * number[group] + where % SIZE)
+    work = PRODUCT * (elimination.targets.size + 0.5 * np.count_nonzero(both))
+    return Structure(elimination, place, moved, products, work)
 
 
 class ReducedSystem:
@@ -218,10 +230,12 @@ class ReducedSystem:
     """
 
     def __init__(self, factor: Any, scale: FloatArray, structure: Structure) -> None:
-        self.band, self._factor = structure.band, factor
-        if structure.moves is not None:
-            self._own = _narrow(factor[:, structure.order], structure.moves)
+        self._factor, self._structure = factor, structure
+        if structure.sparse:
+            self._own = _narrow(factor, structure)
             self.rows = self._own._replace(values=scale.reshape(-1, 1) * self._own.values)
+            below = structure.elimination.below.size
+            self._shape = structure.elimination.starts.size - 1 + 2 * below, SIZE, SIZE
             return
         values = factor if isinstance(factor, np.ndarray) else factor.toarray()
         values = np.ascontiguousarray(scale.reshape(-1, 1) * values)
@@ -231,46 +245,42 @@ class ReducedSystem:
 
     def multiply_square(self, forces: FloatArray) -> FloatArray:
         """Return Y Yᵀ times forces (n, 3) as (n, 3), of the rows as they were before they were scaled."""
-        if self.band:
+        if self._structure.sparse:
             return square_rows(self._own, forces)
         return np.asarray(self._factor @ (self._factor.T @ forces.ravel())).reshape(-1, 3)
 
     def factorise(self, weights: FloatArray) -> Factors | None:
-        """Return the factors for weights P S⁻¹ (n, 3, 3); None where LAPACK has none."""
-        if self.band:
-            band = np.empty((self.rows.size, 3 * self.band + 1))
-            _fill_band(self.rows, weights, self.band, band)
-            lu, pivots, failed = scipy.linalg.lapack.dgbtrf(band.T, self.band, self.band, overwrite_ab=1)
-        else:
-            weigh_rows(weights, self.rows.values, self._weighed)
-            matrix = self._weighed.T @ self.rows.values  # transposed, as LAPACK has it
-            matrix[self._diagonal] += 1.0
-            lu, pivots, failed = scipy.linalg.lapack.dgetrf(matrix.T, overwrite_a=1)
-        return None if failed else Factors(lu.T, pivots, self.band)
+        """Return the factors for weights P S⁻¹ (n, 3, 3); None where there are none."""
+        parts = self._structure.elimination
+        if self._structure.sparse:
+            blocks = np.empty(self._shape)
+            fill_blocks(self.rows.values, self._structure.products, weights, parts.starts.size - 1, blocks)
+            pivots = np.empty(self.rows.size, dtype=np.int64)
+            sign = factorise_blocks(parts, blocks, pivots)
+            return None if sign == 0.0 else Factors(NO_LU, blocks, parts.starts, parts.below, pivots, sign)
+        weigh_rows(weights, self.rows.values, self._weighed)
+        matrix = self._weighed.T @ self.rows.values  # transposed, as LAPACK has it
+        matrix[self._diagonal] += 1.0
+        lu, exchanged, failed = scipy.linalg.lapack.dgetrf(matrix.T, overwrite_a=1)
+        if failed:
+            return None
+        pivots = exchanged.astype(np.int64)
+        swapped = np.count_nonzero(pivots != np.arange(pivots.size))
+        sign = 1.0 if (np.count_nonzero(np.diagonal(lu) < 0.0) + swapped) % 2 == 0 else -1.0
+        return Factors(lu.T, NO_BLOCKS, parts.starts, parts.below, pivots, sign)
 
 
-def _narrow(factor: Any, moves: Any) -> Rows:
-    """Return the rows of a sparse factor (3n, r) on the columns that its contacts move."""
-    n, r = moves.shape
-    width = int(np.diff(moves.indptr).max(initial=1))
-    contact = np.repeat(np.arange(n), np.diff(moves.indptr))
-    slot = np.arange(moves.nnz) - moves.indptr[contact]
-    columns, values = np.zeros((n, width), dtype=np.int64), np.zeros((3 * n, width))
-    # filled up with columns of its own, so that all of a contact's products are within the band
-    last = np.maximum(moves.indptr[1:] - 1, 0)
-    columns[:] = moves.indices[last][:, None]
-    columns[contact, slot] = moves.indices
+def _narrow(factor: Any, structure: Structure) -> Rows:
+    """Return the rows of a sparse factor (3n, r) on the blocks that its contacts move."""
+    moved, place = structure.moved, structure.place
+    n, width = moved.shape
+    first = SIZE * np.maximum(
+        np.maximum(moved, moved[:, :1]), 0
+    )  # those of no block are the first one's, times zero
+    columns = np.ascontiguousarray((first[:, :, None] + np.arange(SIZE)).reshape(n, SIZE * width))
+    values = np.zeros((3 * n, SIZE * width))
     row = np.repeat(np.arange(3 * n), np.diff(factor.indptr))
-    place = np.searchsorted(contact * r + moves.indices, row // 3 * r + factor.indices)
-    values[row, slot[place]] = factor.data
-    return Rows(values, np.empty((0, 0)), columns, r)
-
-
-def orientation(factors: Factors) -> float:
-    """Return the sign of a matrix's determinant.
-
-    Along a path that has no branches the gap falls where it is positive, and rises where it is not.
-    """
-    own = factors.lu[:, 2 * factors.band] if factors.band else np.diagonal(factors.lu)
-    swapped = np.count_nonzero(factors.pivots != np.arange(factors.pivots.size))
-    return 1.0 if (np.count_nonzero(own < 0.0) + swapped) % 2 == 0 else -1.0
+    at = place[factor.indices]
+    slot = np.argmax(moved[row // 3] == (at // SIZE)[:, None], axis=1)
+    values[row, SIZE * slot + at % SIZE] = factor.data
+    return Rows(values, np.empty((0, 0)), columns, SIZE * (structure.elimination.starts.size - 1))

@@ -50,12 +50,12 @@ def where_few_bodies(
 def where_many(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
-    """Solve many contacts of few bodies, of known ones, or whose matrix is a band; else None.
+    """Solve many contacts of few bodies, of known ones, or of a sparse matrix; else None.
 
     A warm start is (n, 3) as `solve_interior`. A stack is long; balls at rest in a pit creep along motions
     that next to nothing resists, at which other methods crawl.
     """
-    return _where(problem, settings, warm_start, (-1.0, FEW_BODIES), LONG, any_band=True)
+    return _where(problem, settings, warm_start, (-1.0, FEW_BODIES), LONG, any_sparse=True)
 
 
 def where_light(
@@ -96,11 +96,11 @@ def _likely_work(problem: ContactProblem) -> float:
 
 def _where(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None,
-    shares: tuple[float, float], most: float = math.inf, long: bool = False, any_band: bool = False,
+    shares: tuple[float, float], most: float = math.inf, long: bool = False, any_sparse: bool = False,
 ) -> Answer | None:  # fmt: skip
     """Solve where the rank's share of the rows is above the first, up to the second; else None.
 
-    A step's matrix takes so many multiplications at most. Bands, and known bodies, may have any rank.
+    A step's matrix takes so many multiplications at most. Sparse ones, and known bodies, may have any rank.
     """
     if problem.general or problem.facets is not None or (problem.normal_max < np.inf).any():
         return None
@@ -112,8 +112,8 @@ def _where(
         return None
     factor, structure = found
     rows, rank = factor.shape
-    band = structure.band > 0
-    free = any_band and (band or problem.factor is not None)
-    if (rank > MOST_RANK and not band) or not (free or shares[0] * rows < rank <= shares[1] * rows):
+    sparse = structure.sparse
+    free = any_sparse and (sparse or problem.factor is not None)
+    if (rank > MOST_RANK and not sparse) or not (free or shares[0] * rows < rank <= shares[1] * rows):
         return None
     return solve_factored(problem, settings, warm_start, active, factor, structure, long)

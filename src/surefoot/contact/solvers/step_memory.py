@@ -9,7 +9,7 @@ import numpy as np
 from surefoot.contact.solvers import cone_pairs as pairs
 from surefoot.contact.solvers.central_step import Iterate, Scaling, central_step
 from surefoot.contact.solvers.path_step import NEAR, Motion, path_step, unequal_shares
-from surefoot.contact.solvers.reduced_system import ReducedSystem, orientation
+from surefoot.contact.solvers.reduced_system import ReducedSystem
 
 LONGER, SHORTENED, LEAST_REACH = 1.5, 0.4, 1e-3
 """By what the reach of steps along turns grows while the path is met, and shrinks where it is lost."""
@@ -57,7 +57,7 @@ class StepMemory:
             return 0.0, np.inf, None
         after = Iterate(*(np.empty_like(part) for part in point))
         # a determinant tells where to go on only along a path without branches: equal bricks branch
-        shares, sign = (self.unequal, -orientation(factors)) if unequal else (self.equal, 0.0)
+        shares, sign = (self.unequal, -factors.sign) if unequal else (self.equal, 0.0)
         length, log, off = path_step(
             factors, self.system.rows, point, self.residual, self.scaling, gap, self.motion, shares, sign,
             reach, after,
