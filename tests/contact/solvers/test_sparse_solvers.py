@@ -54,9 +54,12 @@ def test_a_heap_of_1063_contacts_is_solved_by_its_bodies() -> None:
 def test_admm_on_a_factor_inverts_what_it_does_on_contacts(heap: ContactProblem) -> None:
     own = ScaledContacts(heap)
     bare = ScaledContacts(ContactProblem(heap.operator, heap.g, heap.mu))
-    by_bodies, by_contacts = admm.Splitting(own, None), admm.Splitting(bare, None)
-    assert by_bodies.factor is not None
+    by_blocks, by_bodies, by_contacts = (admm.Splitting(one, None) for one in (own, own, bare))
+    assert by_blocks.bodies is not None
+    by_bodies.bodies = None  # as of more bodies than `MOST_BLOCKS`: SuperLU's factors
     assert by_contacts.factor is None
-    for s in (by_bodies, by_contacts):
+    assert by_contacts.bodies is None
+    for s in (by_blocks, by_bodies, by_contacts):
         s.iterations(0.3)(30)
     np.testing.assert_allclose(by_bodies.z, by_contacts.z, atol=1e-9)
+    np.testing.assert_allclose(by_blocks.z, by_contacts.z, atol=1e-9)

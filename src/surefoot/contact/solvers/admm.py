@@ -33,6 +33,15 @@ from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.contact.solvers.admm_penalty import PenaltyFloor, next_penalty
 from surefoot.contact.solvers.nsgs import refresh_dense
+from surefoot.contact.solvers.reduced_system import (
+    Factors,
+    ReducedSystem,
+    Rows,
+    apply_rows,
+    find_structure,
+    gather_rows,
+    solve_factors,
+)
 from surefoot.contact.solvers.scaled import ScaledContacts
 from surefoot.contact.solvers.set_kernels import Packing, add_shift, natural_sets, project_sets
 from surefoot.contact.solvers.solver import Answer, SolverSettings, register, start_forces
@@ -121,6 +130,30 @@ def iterate(
 
 
 @kernel
+def _iterate_bodies(
+    factors: Factors, rows: Rows, packed: Packing, g: FloatArray, rho: float, eta: float, x: FloatArray,
+    z: FloatArray, y: FloatArray, count: int,
+) -> tuple[float, float]:  # fmt: skip
+    """Run `count` iterations in place as `iterate` does, with the factors of I + Yᵀ Y / (rho + eta).
+
+    By Woodbury (G + s I)⁻¹ b = (b - Y (I + Yᵀ Y / s)⁻¹ Yᵀ b / s) / s, G = Y Yᵀ; g, x, z and y are (m,).
+    """
+    b, point, v = np.empty(g.size), np.empty(g.size), np.empty(rows.size)
+    offset, group, table = packed
+    share = 1.0 / (rho + eta)
+    primal = dual = 0.0
+    for _ in range(count):
+        _right_side(offset, group, table, g, rho, eta, x, z, y, b)
+        gather_rows(rows, b.reshape(-1, 3), v)
+        solve_factors(factors, v)
+        apply_rows(rows, v, x)
+        for i in range(g.size):
+            x[i] = share * (b[i] - share * x[i])
+        primal, dual = _update(offset, group, table, rho, x, z, y, b, point)
+    return primal, dual
+
+
+@kernel
 def _half_step(
     packed: Packing, g: FloatArray, rho: float, eta: float, x: FloatArray, z: FloatArray, y: FloatArray,
     b: FloatArray, point: FloatArray, projecting: bool,
@@ -191,6 +224,8 @@ class Splitting:
         The problem.
     x, z, y
         (m,) see the module; z from the warm start, and y from its velocities.
+    bodies
+        The matrix of known bodies' velocities, where it is sparse; else None.
     rho, eta, largest
         The first penalty, the proximal term, and about the largest eigenvalue of G.
     """
@@ -203,11 +238,14 @@ class Splitting:
         self.eta, self.rho = PROXIMAL * self.largest, FIRST * self.largest
         self.z = start_forces(problem, warm_start) / scaled.D
         self.x, self.y = self.z.copy(), np.zeros(self.z.size)
-        self.sparse, self.factor = None, None
+        self.sparse, self.factor, self.bodies = None, None, None
         many = problem.contacts > LARGE and not problem.general
         if many and problem.factor is not None:
             # G + s I is inverted by (Yᵀ Y + s I): Woodbury, as large as the bodies' velocities are many
             self.factor = (sp.diags(scaled.D) @ problem.factor).tocsr()
+            structure = find_structure(self.factor)
+            if structure.sparse:
+                self.bodies = ReducedSystem(self.factor, np.ones(problem.shape), structure)
             self.sparse = (self.factor.T @ self.factor).tocsc()
         elif many and problem.blocks.density < SPARSE_BELOW:
             D = sp.diags(scaled.D)
@@ -227,6 +265,12 @@ class Splitting:
         if self.sparse is None:
             inverse = _inverse(s.G, shift)
             return lambda n: iterate(inverse, s.packed, s.g, rho, self.eta, self.x, self.z, self.y, n)
+        if self.bodies is not None:
+            weights = np.broadcast_to(np.eye(3) / shift, (s.problem.contacts, 3, 3))
+            factors = self.bodies.factorise(np.ascontiguousarray(weights))
+            if factors is not None:
+                program = factors, self.bodies.rows, s.packed, s.g, rho, self.eta
+                return lambda n: _iterate_bodies(*program, self.x, self.z, self.y, n)
         matrix = (self.sparse + shift * sp.identity(self.sparse.shape[0], format="csc")).tocsc()
         # positive definite: the diagonal serves as pivot, and the ordering may look at G alone
         factor = scipy.sparse.linalg.splu(

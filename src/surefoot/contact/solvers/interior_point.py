@@ -49,7 +49,7 @@ from surefoot.contact.solvers.stopping import fill_measure, velocity_error
 MOST, MOST_HELD, MOST_SHIFTS = 60, 40, 12
 """Iterations with the shift linearised besides those along turns, with one held shift, and shifts that are
 held one after the other."""
-MOST_ALL = 60_000
+MOST_ALL = 150_000
 """All iterations together, those of a polish, which are light, among them."""
 STARTS = (1.0, 3.0, 10.0, 0.3)
 """First normal forces, over what stops each contact's speed: where one leads nowhere, the next is tried."""
@@ -68,9 +68,9 @@ TURN, TURN_FROM, MOST_TURNING, PASSED = 0.3, 1e-2, 40, -0.15
 its length then, steps that this may take, and the change of the log gap after which the turn is passed."""
 MOST_UNEQUAL = 700
 """Steps along turns of a path whose contacts have unequal shares of the gap."""
-LONG_WORK, MOST_FINISH, FINISH_FROM = 3e10, 12_000, 1e3
-"""Multiplications of all matrices of a long path, iterations of ADMM from its end, and the velocity error,
-over the tolerance, at which they are first worth it."""
+LONG_WORK, MOST_FINISH, FINISH_FROM = 3e10, 24_000, 1e3
+"""Multiplications of all matrices of long paths, iterations of ADMM from the end of each, and the velocity
+error, over the tolerance, at which a path has gone far enough for them."""
 BEFORE = 1e-5
 """Share of the first gap from which a program with a held shift begins."""
 KNOWN, HELD = 1e-2, 0.3
@@ -204,28 +204,22 @@ class _Run:
         return self._hold(first) or self._polish()
 
     def go_long(self) -> None:
-        """Follow a path with unequal shares as far as it goes, and go on by ADMM and Newton from there.
+        """Follow a path with unequal shares for long, and go on by ADMM and Newton from there.
 
-        Where it is lost another one is followed, with other shares. It winds: of a wall of 60 bricks some
-        thousand steps lead from an error of 5e-3 to one of 1e-3.
+        Where that is no answer others are followed, with other shares: of a wall of 60 bricks all of them
+        wind at an error of 1e-3, and from half of their ends ADMM comes to one of 1e-6.
         """
-        left = self.most_long if self.coulomb else 0
-        for number in range(len(IRRATIONAL)):
-            point = self._start(STARTS[0])
+        for number in range(len(IRRATIONAL) if self.coulomb else 0):
             self.memory.unequal = unequal_shares(len(self.mu), number)
-            for enough in sorted({POLISH_FROM, max(FINISH_FROM * self.tol, POLISH_FROM)}, reverse=True):
-                if left <= 0:
-                    return
-                before = self.done
-                point = self._follow_unequally(point, left, enough)
-                left -= self.done - before
-                if self.error <= self.tol or self._finish(admm_and_newton, MOST_FINISH) or self._over():
-                    return
+            enough = max(FINISH_FROM * self.tol, POLISH_FROM)
+            self._follow_unequally(self._start(STARTS[0]), self.most_long // len(IRRATIONAL), enough)
+            if self.error <= self.tol or self._finish(admm_and_newton, MOST_FINISH) or self._over():
+                return
 
-    def _follow_unequally(self, point: Iterate, most: int, enough: float) -> Iterate:
-        """Follow a path by its length, with unequal shares of the gap; return the point where it ends.
+    def _follow_unequally(self, point: Iterate, most: int, enough: float) -> None:
+        """Follow a path by its length, with unequal shares of the gap.
 
-        That is where an error is enough, after so many steps, or where the path is lost.
+        It ends where an error is enough, after so many steps, or where the path is lost.
         """
         turning = Turning(True)
         for _ in range(min(most, self.most - self.done)):
@@ -241,7 +235,6 @@ class _Run:
             if after is None:
                 break
             point = after
-        return point
 
     def _over(self) -> bool:
         """Tell whether iterations or time are spent."""

@@ -48,7 +48,7 @@ class Motion(NamedTuple):
     log: FloatArray
 
 
-IRRATIONAL = 0.5 * (math.sqrt(5.0) - 1.0), math.sqrt(2.0) - 1.0
+IRRATIONAL = 0.5 * (math.sqrt(5.0) - 1.0), math.sqrt(2.0) - 1.0, math.sqrt(3.0) - 1.0, math.sqrt(7.0) - 2.0
 """Their multiples spread the shares; any others would do, but for equal ones."""
 
 

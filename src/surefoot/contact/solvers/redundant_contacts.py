@@ -61,13 +61,15 @@ def where_many(
 def where_light(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None, long: bool = False
 ) -> Answer | None:
-    """Solve a problem of few bodies whose steps are light, by a long path or by all else; else None.
+    """Solve a problem of few bodies, or known ones, whose steps are light, by a long path or by all else.
+
+    None for others.
 
     A warm start is (n, 3) as `solve_interior`.
     """
-    if not few_bodies(problem):
+    if problem.factor is None and not few_bodies(problem):
         return None
-    return _where(problem, settings, warm_start, (-1.0, FEW_BODIES), LIGHT, long)
+    return _where(problem, settings, warm_start, (-1.0, FEW_BODIES), LIGHT, long, any_sparse=True)
 
 
 def where_long(
