@@ -4,9 +4,10 @@ Exact cones, up to 128 contacts: one compiled call that alternates bursts of Gau
 steps (`compiled`); of more than 25 it takes one round first (of few bodies a taste of it), and further ones
 after an interior point where bodies are few or its steps lightest (`redundant_contacts`). Larger problems:
 sweeps on 3x3 blocks, then Newton steps by sparse factorisation with sweeps between them while they halve the
-error (`on_blocks`), of few bodies an interior point before them. What these leave unsolved goes through the
-stages of its plan. Connected parts are solved each by itself there: one that has no solution must not keep
-the others from theirs; and a proof is looked for that there is no solution.
+error (`on_blocks`); of few bodies, or known ones, an interior point before them, unless the forces are near
+already. What these leave unsolved goes through the stages of its plan. Connected parts are solved each by
+itself there: one that has no solution must not keep the others from theirs; and a proof is looked for that
+there is no solution.
 The forces returned are the best that any stage found; the status is theirs.
 `max_time` is checked between methods and iterations; the one compiled call of a small problem looks at no
 clock and is given as many iterations as should fit. Without `max_time` no clock decides anything.
@@ -85,7 +86,7 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     tried: list[FloatArray] = []
 
     def light(forces: FloatArray, most: int) -> int:
-        """Take the forces of an interior point where bodies are few and its steps light, if better."""
+        """Take the forces of an interior point if better, where bodies are few or known and steps light."""
         left = settings.max_time - (working_time() - start)
         bound = None if settings.max_iterations is None else most
         found = where_light(problem, SolverSettings(settings.tol, bound, left), None)
@@ -99,7 +100,8 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
             forces[:] = found.forces.ravel()
         return max(found.iterations, 1)
 
-    done, error, far = on_blocks.alternate(problem, settings, forces, light, on_blocks.HALVING)
+    halving = on_blocks.HALVING if problem.factor is None else on_blocks.HALVING_KNOWN
+    done, error, far = on_blocks.alternate(problem, settings, forces, light, halving)
     proof = None
     if error > max(settings.tol, POSSIBLE) and (tried or _run_away(problem, forces)):
         # where a light interior point fails there may be no answer, and forces that run away look like

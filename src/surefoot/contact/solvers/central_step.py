@@ -29,7 +29,7 @@ TO_BORDER = 0.99
 OFF_CENTRE = 1e-2
 """Least centrality after a step."""
 REFINEMENTS = 1
-"""Corrections of a step by its own residual."""
+"""Corrections of a step by its own residual; a direction that only tells how far to go needs none."""
 SHORTER, SHORTEST = 0.8, 1e-10
 """By how much a step is shortened that leaves the centre, and where that ends."""
 
@@ -37,9 +37,12 @@ SHORTER, SHORTEST = 0.8, 1e-10
 @inline_kernel
 def fill_direction(
     factors: Factors, rows: Rows, weights: FloatArray, axes: FloatArray, y: FloatArray, share: float,
-    aim: FloatArray, residual: FloatArray, moved: FloatArray, dx: FloatArray, dy: FloatArray,
+    aim: FloatArray, residual: FloatArray, moved: FloatArray, dx: FloatArray, dy: FloatArray, times: int,
 ) -> None:  # fmt: skip
-    """Fill the steps dx, dy (n, 3) with dx + P dy = aim and S dy = Y Yᵀ dx - residual."""
+    """Fill the steps dx, dy (n, 3) with dx + P dy = aim and S dy = Y Yᵀ dx - residual.
+
+    They are corrected by their own residual so many times.
+    """
     n, r = len(aim), rows.size
     v, change, flat = np.empty(r), np.empty(r), np.empty(3 * n)
     for k in range(n):
@@ -49,13 +52,13 @@ def fill_direction(
                 dx[k, a] += weights[k, a, b] * residual[k, b]
     gather_rows(rows, dx, v)
     solve_factors(factors, v)
-    for turn in range(REFINEMENTS + 1):
+    for turn in range(times + 1):
         apply_rows(rows, v, flat)
         for k in range(n):
             for a in range(3):
                 moved[k, a] = flat[3 * k + a] - residual[k, a]
         finish_direction(axes, y, share, aim, moved, dx, dy)
-        if turn < REFINEMENTS:
+        if turn < times:
             gather_rows(rows, dx, change)
             for j in range(r):
                 change[j] -= v[j]
@@ -117,7 +120,7 @@ def central_step(
     space = np.zeros((4, n, 3))
     aim, moved, dx, dy = space[0], space[1], space[2], space[3]
     aim_pairs(axes, scaled, dx, dy, 0.0, 0.0, aim)
-    fill_direction(factors, rows, weights, axes, y, share, aim, residual, moved, dx, dy)
+    fill_direction(factors, rows, weights, axes, y, share, aim, residual, moved, dx, dy, 0)
     length = min(1.0, longest_inside(x, border_x, y, border_y, dx, dy))
     if not length >= 0.0:
         return 0.0
@@ -128,7 +131,7 @@ def central_step(
     # Mehrotra's rule: centre little where the predictor got far
     centre = max(min(max(left / n / gap, 0.0), 1.0) ** 3, least)
     aim_pairs(axes, scaled, dx, dy, centre * gap, length * length, aim)
-    fill_direction(factors, rows, weights, axes, y, share, aim, residual, moved, dx, dy)
+    fill_direction(factors, rows, weights, axes, y, share, aim, residual, moved, dx, dy, REFINEMENTS)
     length = min(1.0, TO_BORDER * longest_inside(x, border_x, y, border_y, dx, dy))
     while length > SHORTEST:
         inside = move_points(x, border_x, dx, length, after.x, after.border_x)

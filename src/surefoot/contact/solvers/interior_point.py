@@ -180,8 +180,13 @@ class _Run:
             return True
         if self._end(first):
             return True
-        if unequally and not self._over():
-            self._follow_unequally(first, min(MOST_UNEQUAL, self.most_long), POLISH_FROM)
+        # nearer than that it is followed only where a polish from there comes to rest
+        point = first
+        for enough in (POLISH_FROM, self.tol) if unequally else ():
+            if self._over():
+                break
+            self._follow_unequally(point, min(MOST_UNEQUAL, self.most_long), enough)
+            point = self.path[-1][1]
             if self.error <= self.tol or self._end(first):
                 return True
         # nearer than that, the shift has been held

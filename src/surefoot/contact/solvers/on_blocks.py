@@ -29,8 +29,9 @@ FIRST_TRY = (0.3, 50, 8)
 """Newton on blocks: the proximal term's share, sweeps after a step, and patience."""
 NEAR = 5e-3
 """A velocity error that sweeps have left, up to which a few Newton steps end it sooner than anything else."""
-HALVING = 5
-"""Of many contacts, steps in which the error has to halve: where it does not, other methods are quicker."""
+HALVING, HALVING_KNOWN = 5, 3
+"""Of many contacts, steps in which the error has to halve, and where the bodies are known: where it does not,
+other methods are quicker."""
 FINISH = (0.1, 50, 5)
 """Newton from the forces of ADMM: share, sweeps, patience."""
 

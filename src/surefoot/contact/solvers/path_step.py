@@ -21,7 +21,13 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.kernels import inline_kernel, kernel
-from surefoot.contact.solvers.central_step import Iterate, Scaling, fill_direction, longest_inside
+from surefoot.contact.solvers.central_step import (
+    REFINEMENTS,
+    Iterate,
+    Scaling,
+    fill_direction,
+    longest_inside,
+)
 from surefoot.contact.solvers.cone_pairs import aim_pairs, apply_scaling, centrality, move_points
 from surefoot.contact.solvers.reduced_system import Factors, Rows
 
@@ -108,8 +114,8 @@ def path_step(
         for a in range(3):
             ahead[k, a] = shares[k] * (aim[k, a] - ahead[k, a])
             aim[k, a] = own[k, a] + ahead[k, a]
-    fill_direction(factors, rows, weights, axes, y, 1.0, ahead, none, moved, tx, ty)
-    fill_direction(factors, rows, weights, axes, y, 1.0, aim, residual, moved, cx, cy)
+    fill_direction(factors, rows, weights, axes, y, 1.0, ahead, none, moved, tx, ty, 0)
+    fill_direction(factors, rows, weights, axes, y, 1.0, aim, residual, moved, cx, cy, REFINEMENTS)
     tangent, back_to = np.empty((2, n, 3)), np.empty((2, n, 3))
     _scale_steps(axes, gap, tx, ty, tangent)
     _scale_steps(axes, gap, cx, cy, back_to)
