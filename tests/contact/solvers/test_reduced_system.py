@@ -110,3 +110,34 @@ def test_a_singular_matrix_has_no_factors() -> None:
     weights[0, 0, 0] = -1.0
     assert isinstance(system.factorise(0.0 * weights), Factors)
     assert system.factorise(weights) is None
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_bodies_in_any_order_and_those_without_contacts_change_nothing(seed: int) -> None:
+    """A factor with its bodies permuted, columns of zeros, and entries in two parts solves the same."""
+    rng = np.random.default_rng(seed)
+    Y = heap(25, seed)
+    n, r = Y.shape[0] // 3, Y.shape[1]
+    bodies = np.arange(r + 12).reshape(-1, 6)
+    columns = rng.permutation(bodies).ravel()
+    more = sp.hstack([Y, sp.csr_matrix((Y.shape[0], 12))]).tocsr()[:, columns].tocsr()
+    halves = np.repeat(0.5 * more.data, 2), np.repeat(more.indices, 2), 2 * more.indptr
+    more = sp.csr_matrix(halves, shape=more.shape)
+    forces, weights = rng.normal(size=(n, 3)), weights_of(n, seed)
+    moved = []
+    for factor in (Y, more):
+        structure = find_structure(factor)
+        assert structure.sparse
+        system = ReducedSystem(factor, np.ones((n, 3)), structure)
+        np.testing.assert_allclose(
+            system.multiply_square(forces).ravel(), Y @ (Y.T @ forces.ravel()), atol=1e-10
+        )
+        factors = system.factorise(weights)
+        assert factors is not None
+        v = np.empty(system.rows.size)
+        gather_rows(system.rows, forces, v)
+        solve_factors(factors, v)
+        applied = np.empty(3 * n)
+        apply_rows(system.rows, v, applied)
+        moved.append(applied)
+    np.testing.assert_allclose(moved[0], moved[1], atol=1e-8)

@@ -282,5 +282,5 @@ def _narrow(factor: Any, structure: Structure) -> Rows:
     row = np.repeat(np.arange(3 * n), np.diff(factor.indptr))
     at = place[factor.indices]
     slot = np.argmax(moved[row // 3] == (at // SIZE)[:, None], axis=1)
-    values[row, SIZE * slot + at % SIZE] = factor.data
+    np.add.at(values, (row, SIZE * slot + at % SIZE), factor.data)  # an entry may be stored in parts
     return Rows(values, np.empty((0, 0)), columns, SIZE * (structure.elimination.starts.size - 1))
