@@ -87,7 +87,7 @@ def test_known_bodies_have_admm_first_where_they_are_few_or_contacts_many(
     assert plan[0].name.startswith(first)
     # what was tried between sweeps is not tried again, but a long path is
     left = [stage.name for stage in auto._large_plan(problem, tried=True, error=1e-2)]
-    assert {plans.MANY} == {s.name for s in plan} - set(left)
+    assert {plans.SPARSE} == {s.name for s in plan} - set(left)
     assert plans.LONG_PATH in left
     # where an interior point came near an answer, Newton goes on from there
     assert auto._large_plan(problem, tried=True, error=1e-7)[0] == plans.AFTER

@@ -35,12 +35,13 @@ from surefoot.contact.solvers.compiled import COMPILED_CONTACTS, LATER, attempt
 from surefoot.contact.solvers.infeasibility import find_proof
 from surefoot.contact.solvers.newton_step import FEW
 from surefoot.contact.solvers.redundant_contacts import (
+    where_dense,
     where_few_bodies,
     where_light,
     where_lightest,
     where_long,
-    where_many,
     where_redundant,
+    where_sparse,
 )
 from surefoot.contact.solvers.solver import (
     Answer,
@@ -127,7 +128,7 @@ def _large_plan(problem: ContactProblem, tried: bool, error: float) -> Plan:
     plan = (plans.CONES_BODIES if lighter else plans.CONES_LARGE)[problem.law]
     if not tried:
         return plan
-    rest = tuple(stage for stage in plan if stage.name != plans.MANY)
+    rest = tuple(stage for stage in plan if stage.name != plans.SPARSE)
     return (plans.AFTER, *rest) if error <= NEARLY_SOLVED else rest
 
 
@@ -287,7 +288,8 @@ LOOKS = {
     PARTS: solve_parts,
     INTERIOR: where_redundant,
     plans.FEW_BODIES: where_few_bodies,
-    plans.MANY: where_many,
+    plans.SPARSE: where_sparse,
+    plans.DENSE: where_dense,
     plans.LONG_PATH: where_long,
     plans.LIGHTEST: where_lightest,
     plans.LATER: later_rounds,

@@ -17,13 +17,16 @@ from surefoot.contact.solvers.interior_point import active_contacts, solve_facto
 from surefoot.contact.solvers.newton_step import FEW
 from surefoot.contact.solvers.solver import Answer, SolverSettings
 
-MOST_RANK, REDUNDANT, FEW_BODIES = 450, 0.75, 0.4
+MOST_RANK, REDUNDANT, FEW_BODIES = 600, 0.75, 0.4
 """Rank of G where its factor is dense, and the rank's share of the rows, up to which
 `where_redundant` tries: each iteration has a dense factor, and problems of full rank defeat the method.
 Up to the last share, of walls, it comes early: Newton steps they defeat."""
-LONG, LIGHT, LIGHTEST = 1e8, 3e7, 1e6
-"""Multiplications of a step's matrix up to which all steps take no longer than some thousand iterations of
-ADMM (others do as well beyond it), than Newton's first ones, and than the compiled call's later rounds."""
+LONGEST, LONG, LIGHT, LIGHTEST = 4e8, 1e8, 3e7, 1e6
+"""Multiplications of a step's matrix up to which all steps take no longer than ten thousand iterations of
+ADMM, than some thousand (others do as well beyond it), than Newton's first ones, and than the compiled call's
+later rounds."""
+NONE = (1.0, 0.0)
+"""No share of the rows."""
 
 
 def where_redundant(
@@ -47,15 +50,24 @@ def where_few_bodies(
     return _where(problem, settings, warm_start, (-1.0, FEW_BODIES), LONG)
 
 
-def where_many(
+def where_sparse(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
-    """Solve many contacts of few bodies, of known ones, or of a sparse matrix; else None.
+    """Solve a problem of known bodies, or of a sparse matrix, a warm start (n, 3) as `solve_interior`.
 
-    A warm start is (n, 3) as `solve_interior`. A stack is long; balls at rest in a pit creep along motions
-    that next to nothing resists, at which other methods crawl.
+    None for others. A stack is long; balls at rest in a pit creep along motions that next to nothing resists,
+    at which other methods crawl.
     """
-    return _where(problem, settings, warm_start, (-1.0, FEW_BODIES), LONG, any_sparse=True)
+    return _where(problem, settings, warm_start, NONE, LONG, any_sparse=True)
+
+
+def where_dense(
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
+) -> Answer | None:
+    """Solve a problem whose matrix is dense and heavy, a warm start (n, 3) as `solve_interior`; else None."""
+    if _likely_work(problem) <= LIGHT:
+        return None
+    return _where(problem, settings, warm_start, (-1.0, REDUNDANT), LONGEST, dense=True)
 
 
 def where_light(
@@ -99,10 +111,12 @@ def _likely_work(problem: ContactProblem) -> float:
 def _where(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None,
     shares: tuple[float, float], most: float = math.inf, long: bool = False, any_sparse: bool = False,
+    dense: bool = False,
 ) -> Answer | None:  # fmt: skip
     """Solve where the rank's share of the rows is above the first, up to the second; else None.
 
-    A step's matrix takes so many multiplications at most. Sparse ones, and known bodies, may have any rank.
+    A step's matrix takes so many multiplications at most. Sparse ones, and known bodies, may have any rank;
+    or dense ones alone are wanted.
     """
     if problem.general or problem.facets is not None or (problem.normal_max < np.inf).any():
         return None
@@ -115,6 +129,8 @@ def _where(
     factor, structure = found
     rows, rank = factor.shape
     sparse = structure.sparse
+    if dense and (sparse or problem.factor is not None):
+        return None
     free = any_sparse and (sparse or problem.factor is not None)
     if (rank > MOST_RANK and not sparse) or not (free or shares[0] * rows < rank <= shares[1] * rows):
         return None

@@ -9,7 +9,8 @@ ON_BLOCKS, ADMM_AND_NEWTON = "sweeps and newton on blocks", "admm and newton"
 NEWTON_STEPS = "newton where its steps are light"
 INTERIOR = "interior point, redundant contacts"
 FEW_BODIES, LIGHTEST = "interior point, few bodies", "interior point, lightest steps"
-MANY, LONG_PATH = "interior point, many contacts", "interior point, a long path"
+SPARSE, DENSE = "interior point, sparse matrix", "interior point, dense matrix"
+LONG_PATH = "interior point, a long path"
 LATER = "later rounds of the compiled call"
 """What is tried besides solvers; see `auto`."""
 
@@ -82,12 +83,13 @@ CONES_MORE: dict[str, Plan] = {
 }
 """After the first round of the compiled call on more contacts: a dense iteration of ADMM costs more than a
 sweep on blocks."""
-_FIRST = PlanStage(NEWTON_STEPS, 60), PlanStage(PARTS), PlanStage(MANY)
+_FIRST = PlanStage(NEWTON_STEPS, 60), PlanStage(PARTS), PlanStage(SPARSE)
 AFTER = PlanStage(NEWTON_STEPS, 100, warm=True)
 """What comes before and after the first iterations of ADMM: Newton finds the modes of most, and again those
 that ADMM's forces suggest."""
 _LAST: dict[str, Plan] = {
     "coulomb": (
+        PlanStage(DENSE),
         PlanStage(ADMM_AND_NEWTON, 6000, warm=True),
         PlanStage(PROOF),
         PlanStage(LONG_PATH),
