@@ -19,8 +19,8 @@ Source: V. Acary, M. Brémond, O. Huber, "On solving contact problems with Coulo
 numerical comparisons", 2018; V. Acary, F. Cadoux, C. Lemaréchal, J. Malick, ZAMM
 91(2), 2011 (the fixed point).
 
-Limits: dense, so for ranks up to some hundreds; no normal bounds, no bilateral contacts. It cannot begin at a
-border, so a warm start is only what it is compared with.
+Limits: of G alone mostly dense, so for ranks up to some hundreds; no normal bounds, no bilateral contacts. It
+cannot begin at a border, so a warm start is only what it is compared with.
 """
 
 from __future__ import annotations
