@@ -7,7 +7,8 @@ import pytest
 
 from surefoot.contact.solvers.central_step import Iterate, Scaling, central_step, fill_residual
 from surefoot.contact.solvers.cone_pairs import centrality, scale_pairs
-from surefoot.contact.solvers.reduced_system import ReducedSystem, find_structure
+from surefoot.contact.solvers.reduced_structure import find_structure
+from surefoot.contact.solvers.reduced_system import ReducedSystem
 
 NOTHING = np.empty(0)
 

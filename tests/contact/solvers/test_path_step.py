@@ -11,7 +11,8 @@ from surefoot.contact.solvers.central_step import Iterate, Scaling, fill_residua
 from surefoot.contact.solvers.cone_pairs import centrality, scale_pairs
 from surefoot.contact.solvers.delassus_factor import find_factor
 from surefoot.contact.solvers.path_step import IRRATIONAL, Motion, path_step, unequal_shares
-from surefoot.contact.solvers.reduced_system import ReducedSystem, find_structure
+from surefoot.contact.solvers.reduced_structure import find_structure
+from surefoot.contact.solvers.reduced_system import ReducedSystem
 
 NOTHING = np.empty(0)
 N, R = 10, 6

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
+from surefoot.contact.solvers.reduced_structure import find_structure
 from surefoot.contact.solvers.reduced_system import (
     Factors,
     ReducedSystem,
     apply_rows,
-    find_structure,
     gather_rows,
     solve_factors,
 )

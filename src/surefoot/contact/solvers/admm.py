@@ -33,12 +33,12 @@ from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.contact.solvers.admm_penalty import PenaltyFloor, next_penalty
 from surefoot.contact.solvers.nsgs import refresh_dense
+from surefoot.contact.solvers.reduced_structure import find_structure
 from surefoot.contact.solvers.reduced_system import (
     Factors,
     ReducedSystem,
     Rows,
     apply_rows,
-    find_structure,
     gather_rows,
     solve_factors,
 )

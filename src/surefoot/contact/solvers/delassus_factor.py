@@ -21,7 +21,7 @@ from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.kernels import kernel
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.problem.redundancy import likely_rank
-from surefoot.contact.solvers.reduced_system import Structure, find_structure
+from surefoot.contact.solvers.reduced_structure import Structure, find_structure
 
 SPARSE_FROM = 240
 """Rows from which a sparse factor is looked for where the bodies are not known."""

@@ -41,7 +41,8 @@ from surefoot.contact.solvers.mixing import Mixing
 from surefoot.contact.solvers.on_blocks import admm_and_newton
 from surefoot.contact.solvers.path_step import IRRATIONAL, unequal_shares
 from surefoot.contact.solvers.polish import polish
-from surefoot.contact.solvers.reduced_system import ReducedSystem, Structure
+from surefoot.contact.solvers.reduced_structure import Structure
+from surefoot.contact.solvers.reduced_system import ReducedSystem
 from surefoot.contact.solvers.solver import Answer, SolverSettings, nearest_to_zero, register
 from surefoot.contact.solvers.step_memory import StepMemory, Turning
 from surefoot.contact.solvers.stopping import fill_measure, velocity_error
@@ -49,7 +50,7 @@ from surefoot.contact.solvers.stopping import fill_measure, velocity_error
 MOST, MOST_HELD, MOST_SHIFTS = 60, 40, 12
 """Iterations with the shift linearised besides those along turns, with one held shift, and shifts that are
 held one after the other."""
-MOST_ALL = 150_000
+MOST_ALL = 300_000
 """All iterations together, those of a polish, which are light, among them."""
 STARTS = (1.0, 3.0, 10.0, 0.3)
 """First normal forces, over what stops each contact's speed: where one leads nowhere, the next is tried."""
@@ -68,8 +69,8 @@ TURN, TURN_FROM, MOST_TURNING, PASSED = 0.3, 1e-2, 40, -0.15
 its length then, steps that this may take, and the change of the log gap after which the turn is passed."""
 MOST_UNEQUAL = 700
 """Steps along turns of a path whose contacts have unequal shares of the gap."""
-LONG_WORK, MOST_FINISH, FINISH_FROM = 3e10, 24_000, 1e3
-"""Multiplications of all matrices of long paths, iterations of ADMM from the end of each, and the velocity
+LONG_WORK, MOST_FINISH, FINISH_FROM = 7.5e9, 24_000, 1e3
+"""Multiplications of all matrices of a long path, iterations of ADMM from the end of each, and the velocity
 error, over the tolerance, at which a path has gone far enough for them."""
 BEFORE = 1e-5
 """Share of the first gap from which a program with a held shift begins."""
@@ -217,7 +218,7 @@ class _Run:
         for number in range(len(IRRATIONAL) if self.coulomb else 0):
             self.memory.unequal = unequal_shares(len(self.mu), number)
             enough = max(FINISH_FROM * self.tol, POLISH_FROM)
-            self._follow_unequally(self._start(STARTS[0]), self.most_long // len(IRRATIONAL), enough)
+            self._follow_unequally(self._start(STARTS[0]), self.most_long, enough)
             if self.error <= self.tol or self._finish(admm_and_newton, MOST_FINISH) or self._over():
                 return
 

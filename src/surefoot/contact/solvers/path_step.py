@@ -54,7 +54,8 @@ class Motion(NamedTuple):
     log: FloatArray
 
 
-IRRATIONAL = 0.5 * (math.sqrt(5.0) - 1.0), math.sqrt(2.0) - 1.0, math.sqrt(3.0) - 1.0, math.sqrt(7.0) - 2.0
+_PRIMES = 2.0, 3.0, 7.0, 11.0, 13.0, 17.0, 19.0
+IRRATIONAL = (0.5 * (math.sqrt(5.0) - 1.0), *(math.sqrt(prime) % 1.0 for prime in _PRIMES))
 """Their multiples spread the shares; any others would do, but for equal ones."""
 
 
