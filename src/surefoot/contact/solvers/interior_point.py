@@ -69,9 +69,9 @@ TURN, TURN_FROM, MOST_TURNING, PASSED = 0.3, 1e-2, 40, -0.15
 its length then, steps that this may take, and the change of the log gap after which the turn is passed."""
 MOST_UNEQUAL = 700
 """Steps along turns of a path whose contacts have unequal shares of the gap."""
-LONG_WORK, MOST_FINISH, FINISH_FROM = 7.5e9, 24_000, 1e3
-"""Multiplications of all matrices of a long path, iterations of ADMM from the end of each, and the velocity
-error, over the tolerance, at which a path has gone far enough for them."""
+MOST_LONG, LONG_WORK, MOST_FINISH, FINISH_FROM = 6000, 3e10, 24_000, 1e3
+"""Steps of a long path, multiplications of all its matrices, iterations of ADMM from the end of each, and the
+velocity error, over the tolerance, at which a path has gone far enough for them."""
 BEFORE = 1e-5
 """Share of the first gap from which a program with a held shift begins."""
 KNOWN, HELD = 1e-2, 0.3
@@ -145,7 +145,7 @@ class _Run:
         self.scale = np.empty((n, 3))
         self.scale[:, :2] = np.minimum(self.mu, 1.0)[:, None]
         self.scale[:, 2] = 1.0 / np.maximum(self.mu, 1.0)
-        self.most_long = int(LONG_WORK / max(structure.work, 1.0))
+        self.most_long = min(MOST_LONG, int(LONG_WORK / max(structure.work, 1.0)))
         self.memory = StepMemory(ReducedSystem(factor, self.scale, structure), n)
         scales = np.ascontiguousarray(problem.scales[:, active])
         weight = np.where(scales[0] > 0.0, scales[0], scales[1])
