@@ -1,9 +1,12 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy.sparse as sp
 
 import surefoot as sf
+from benchmarks.problems.contacts import pile, stack
 from benchmarks.problems.rigid_bodies import Scene
+from surefoot.contact.problem.redundancy import few_bodies, in_a_row
 
 
 def table(legs: int) -> tuple[sf.ContactProblem, np.ndarray]:
@@ -43,3 +46,14 @@ def test_different_solutions_share_motion_and_net_wrench() -> None:
 
     assert np.abs(a.velocities - b.velocities).max() < 1e-8
     assert np.abs(grasp_map @ (a.forces - b.forces).ravel()).max() < 1e-8
+
+
+def test_a_stack_is_in_a_row_whatever_the_order_of_its_contacts_and_a_pile_is_not() -> None:
+    rng = np.random.default_rng(0)
+    made = stack(rng, 50, 0.6, 1.0, 0.2)
+    order = np.repeat(3 * rng.permutation(made.contacts), 3) + np.tile(np.arange(3), made.contacts)
+    mixed = sf.ContactProblem(made.G[np.ix_(order, order)], made.g[order], 0.6)
+    assert in_a_row(mixed)
+    assert not few_bodies(mixed)
+    assert not in_a_row(pile(rng, 60, 300, 0.6, 1.0))
+    assert not in_a_row(sf.ContactProblem(sp.identity(3 * 2001), np.zeros(3 * 2001), 0.6))

@@ -9,8 +9,10 @@ another.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 
 from surefoot.base.arrays import BoolArray, FloatArray, of_kind, real_number
 from surefoot.base.errors import ProblemError
@@ -72,6 +74,23 @@ def likely_rank(problem: ContactProblem) -> float:
     else:
         met = np.diff(problem.blocks.starts)
     return float(np.sum(24.0 / np.maximum(met, 1)))
+
+
+NARROW, NARROW_MOST = 24, 2000
+"""Contacts from one to the farthest that it meets, in a good order, up to which all are in a row; contacts up
+to which that is looked at."""
+
+
+def in_a_row(problem: ContactProblem) -> bool:
+    """Tell whether contacts of three rows are in a row, as those of a stack: each meets near ones alone."""
+    if problem.contacts > NARROW_MOST:
+        return False
+    b, n = problem.blocks, problem.contacts
+    met: Any = sp.csr_matrix((np.ones(b.columns.size), b.columns, b.starts), shape=(n, n))
+    place = np.empty(n, dtype=np.int64)
+    place[sp.csgraph.reverse_cuthill_mckee(met, symmetric_mode=True)] = np.arange(n)
+    row = np.repeat(np.arange(n), np.diff(b.starts))
+    return bool(np.abs(place[row] - place[b.columns]).max(initial=0) <= NARROW)
 
 
 def few_bodies(problem: ContactProblem) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.contact.problem.problem import ContactProblem
-from surefoot.contact.problem.redundancy import few_bodies, likely_rank
+from surefoot.contact.problem.redundancy import few_bodies, in_a_row, likely_rank
 from surefoot.contact.solvers.delassus_factor import MOST_ROWS, find_factor
 from surefoot.contact.solvers.interior_point import active_contacts, solve_factored
 from surefoot.contact.solvers.newton_step import FEW
@@ -73,13 +73,11 @@ def where_dense(
 def where_light(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None, long: bool = False
 ) -> Answer | None:
-    """Solve a problem of few bodies, or known ones, whose steps are light, by a long path or by all else.
+    """Solve a problem of few bodies, known ones, or contacts in a row, where steps are light; else None.
 
-    None for others.
-
-    A warm start is (n, 3) as `solve_interior`.
+    By a long path or by all else. A warm start is (n, 3) as `solve_interior`.
     """
-    if problem.factor is None and not few_bodies(problem):
+    if problem.factor is None and not (few_bodies(problem) or in_a_row(problem)):
         return None
     return _where(problem, settings, warm_start, (-1.0, FEW_BODIES), LIGHT, long, any_sparse=True)
 
