@@ -20,6 +20,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -238,39 +240,45 @@ class Splitting:
         self.eta, self.rho = PROXIMAL * self.largest, FIRST * self.largest
         self.z = start_forces(problem, warm_start) / scaled.D
         self.x, self.y = self.z.copy(), np.zeros(self.z.size)
-        self.sparse, self.factor, self.bodies = None, None, None
-        many = problem.contacts > LARGE and not problem.general
-        if many and problem.factor is not None:
+        self.factor, self.bodies = None, None
+        self._many = problem.contacts > LARGE and not problem.general
+        if self._many and problem.factor is not None:
             # G + s I is inverted by (Yᵀ Y + s I): Woodbury, as large as the bodies' velocities are many
             self.factor = (sp.diags(scaled.D) @ problem.factor).tocsr()
             structure = find_structure(self.factor)
             if structure.sparse:
                 self.bodies = ReducedSystem(self.factor, np.ones(problem.shape), structure)
-            self.sparse = (self.factor.T @ self.factor).tocsc()
-        elif many and problem.blocks.density < SPARSE_BELOW:
-            D = sp.diags(scaled.D)
-            self.sparse = (D @ sp.csc_matrix(problem.operator) @ D).tocsc()
         if warm_start is not None:
             # y = -(u + Γ(u)) at a solution: from the warm forces' own velocities
-            dense, normals = self.sparse is None, scaled.normals
+            dense, normals = self.factor is None and self.sparse is None, scaled.normals
             u = scaled.G @ self.z + scaled.g if dense else scaled.velocities(self.z)
             self.y -= u
             if problem.law.shift > 0.0:  # none of them into the ground
                 self.y[normals] = -np.maximum(u[normals], 0.0)
                 add_shift(*scaled.packed, -u, -1.0, self.y)
 
+    @cached_property
+    def sparse(self) -> Any:
+        """What SuperLU factorises once a multiple of I is added: Yᵀ Y, or G; None where G is dense."""
+        if self.factor is not None:
+            return (self.factor.T @ self.factor).tocsc()
+        problem, D = self.scaled.problem, sp.diags(self.scaled.D)
+        if not self._many or problem.blocks.density >= SPARSE_BELOW:
+            return None
+        return (D @ sp.csc_matrix(problem.operator) @ D).tocsc()
+
     def iterations(self, rho: float) -> Iterations:
         """Return what runs iterations with the inverse of G + (rho + eta) I, or with its sparse factors."""
         shift, s = rho + self.eta, self.scaled
-        if self.sparse is None:
-            inverse = _inverse(s.G, shift)
-            return lambda n: iterate(inverse, s.packed, s.g, rho, self.eta, self.x, self.z, self.y, n)
         if self.bodies is not None:
             weights = np.broadcast_to(np.eye(3) / shift, (s.problem.contacts, 3, 3))
             factors = self.bodies.factorise(np.ascontiguousarray(weights))
             if factors is not None:
                 program = factors, self.bodies.rows, s.packed, s.g, rho, self.eta
                 return lambda n: _iterate_bodies(*program, self.x, self.z, self.y, n)
+        if self.sparse is None:
+            inverse = _inverse(s.G, shift)
+            return lambda n: iterate(inverse, s.packed, s.g, rho, self.eta, self.x, self.z, self.y, n)
         matrix = (self.sparse + shift * sp.identity(self.sparse.shape[0], format="csc")).tocsc()
         # positive definite: the diagonal serves as pivot, and the ordering may look at G alone
         factor = scipy.sparse.linalg.splu(

@@ -101,6 +101,16 @@ def factorise_blocks(elimination: Elimination, blocks: FloatArray, pivots: IntAr
 
 
 @inline_kernel
+def _subtract(block: FloatArray, right: FloatArray, start: int, end: int) -> None:
+    """Subtract a block (SIZE, SIZE) times the rows from `start` on of (SIZE * B,) from those of `end` on."""
+    for i in range(SIZE):
+        x = 0.0
+        for j in range(SIZE):
+            x += block[i, j] * right[start + j]
+        right[end + i] -= x
+
+
+@inline_kernel
 def solve_blocks(
     starts: IntArray, below: IntArray, blocks: FloatArray, pivots: IntArray, right: FloatArray
 ) -> None:
@@ -115,21 +125,11 @@ def solve_blocks(
             for j in range(i):
                 right[at + i] -= own[i, j] * right[at + j]
         for e in range(starts[k], starts[k + 1]):
-            block, row = blocks[n + 2 * e], SIZE * below[e]
-            for i in range(SIZE):
-                x = 0.0
-                for j in range(SIZE):
-                    x += block[i, j] * right[at + j]
-                right[row + i] -= x
+            _subtract(blocks[n + 2 * e], right, at, SIZE * below[e])
     for k in range(n - 1, -1, -1):
         own, at = blocks[k], SIZE * k
         for e in range(starts[k], starts[k + 1]):
-            block, row = blocks[n + 2 * e + 1], SIZE * below[e]
-            for i in range(SIZE):
-                x = 0.0
-                for j in range(SIZE):
-                    x += block[i, j] * right[row + j]
-                right[at + i] -= x
+            _subtract(blocks[n + 2 * e + 1], right, SIZE * below[e], at)
         for i in range(SIZE - 1, -1, -1):
             x = right[at + i]
             for j in range(i + 1, SIZE):

@@ -65,7 +65,7 @@ def where_dense(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
     """Solve a problem whose matrix is dense and heavy, a warm start (n, 3) as `solve_interior`; else None."""
-    if _likely_work(problem) <= LIGHT:
+    if problem.factor is not None or _likely_work(problem) <= LIGHT:
         return None
     return _where(problem, settings, warm_start, (-1.0, REDUNDANT), LONGEST, dense=True)
 
@@ -127,7 +127,7 @@ def _where(
     factor, structure = found
     rows, rank = factor.shape
     sparse = structure.sparse
-    if dense and (sparse or problem.factor is not None):
+    if dense and sparse:
         return None
     free = any_sparse and (sparse or problem.factor is not None)
     if (rank > MOST_RANK and not sparse) or not (free or shares[0] * rows < rank <= shares[1] * rows):
