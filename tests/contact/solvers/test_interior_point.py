@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.contact.solvers import auto, interior_point, strategies
+from surefoot.contact.solvers import auto, central_path, interior_point, strategies
 from surefoot.contact.solvers.polish import polish
 from surefoot.contact.solvers.redundant_contacts import where_redundant
 from surefoot.contact.solvers.solver import SolverSettings
@@ -151,7 +151,7 @@ def test_auto_asks_it_before_the_slow_methods() -> None:
 
 def test_shifts_that_run_away_end_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """Forces of 1e190 leave a shift that is no number: least squares of such raise an error."""
-    monkeypatch.setattr(interior_point._Run, "_shift", lambda run: np.full(len(run.mu), np.inf))
+    monkeypatch.setattr(central_path.CentralPath, "find_shift", lambda path: np.full(len(path.mu), np.inf))
     monkeypatch.setattr(interior_point, "IDLE_SHIFTS", 99)
     found = sf.solve(sheet(40, 4), "interior_point", 1e-14)
     assert np.isfinite(found.forces).all()

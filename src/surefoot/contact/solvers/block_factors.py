@@ -92,11 +92,12 @@ def factorise_blocks(elimination: Elimination, blocks: FloatArray, pivots: IntAr
             for e in range(low, high):
                 two, out = blocks[n + 2 * e + 1], blocks[targets[at]]
                 at += 1
+                # a whole row at once: each entry is fetched and stored once, not once for each of six
                 for i in range(SIZE):
-                    for m in range(SIZE):
-                        x = one[i, m]
-                        for j in range(SIZE):
-                            out[i, j] -= x * two[m, j]
+                    a, b, c, x, y, z = one[i, 0], one[i, 1], one[i, 2], one[i, 3], one[i, 4], one[i, 5]
+                    for j in range(SIZE):
+                        left = a * two[0, j] + b * two[1, j] + c * two[2, j]
+                        out[i, j] -= left + (x * two[3, j] + y * two[4, j] + z * two[5, j])
     return sign
 
 

@@ -35,6 +35,11 @@ other methods are quicker."""
 FINISH = (0.1, 50, 5)
 """Newton from the forces of ADMM: share, sweeps, patience."""
 
+Steps = Callable[[FloatArray, int], int]
+"""Take so many iterations at most from flat forces (3n,), updated in place; return how many were taken."""
+Between = Callable[[FloatArray, int, Steps | None], int]
+"""The same, zero where it does not try, with Newton steps that may be of use on the way."""
+
 
 def heavy(problem: ContactProblem) -> bool:
     """Tell whether Newton steps on contacts take too long for a problem's many blocks."""
@@ -80,15 +85,12 @@ def alternate(
     problem: ContactProblem,
     settings: SolverSettings,
     forces: FloatArray,
-    between: Callable[[FloatArray, int], int] | None = None,
-    span: int | None = None,
+    between: Between | None = None,
 ) -> tuple[int, float, float]:
     """Sweep on the blocks of G as long as that will do, then take Newton steps with sweeps between them.
 
-    Flat (3n,) forces are updated in place; `span` is that of `BlockNewton.run`. Another method may come
-    `between` them: it takes the forces and the iterations that are left, improves the forces if it can, and
-    returns the iterations that it took, after which no Newton steps are taken; zero if it does not try.
-    Return sweeps and steps, the velocity error and the force error.
+    Flat (3n,) forces are updated in place. Another method may come `between` them, after which no Newton
+    steps are taken. Return sweeps and steps, the velocity error and the force error.
     """
     tol, most = settings.tol, UNBOUNDED if settings.max_iterations is None else settings.max_iterations
     newton = BlockNewton(problem, tol, working_time() + settings.max_time)
@@ -106,14 +108,18 @@ def alternate(
     def take_steps(forces: FloatArray, most: int) -> int:
         return newton.run(forces, most, *FIRST_TRY, span)[0]
 
-    other = between or (lambda forces, most: 0)
-    # near an answer Newton steps end it sooner, if they can; far from it they may not even start well
-    near = error <= NEAR
-    for method in (take_steps, other) if near else (other, take_steps):
+    def take_other(forces: FloatArray, most: int) -> int:
+        return between(forces, most, take_steps if near and known else None) if between is not None else 0
+
+    # near an answer Newton steps end it sooner, if they can; far from it they may not even start well. Where
+    # bodies are known the other method's way is as short as theirs, as long as it is straight
+    near, known = error <= NEAR, problem.factor is not None
+    first, span = near and not known, None if between is None else HALVING_KNOWN if known else HALVING
+    for method in (take_steps, take_other) if first else (take_other, take_steps):
         if error <= tol or done >= most or working_time() >= newton.end:
             break
         used = method(forces, most - done)
         done, (_, error, far) = done + used, newton.measure(forces)
-        if used and not near:
+        if used and not first:
             break
     return done, error, far

@@ -13,7 +13,7 @@ from surefoot.base.arrays import FloatArray
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.problem.redundancy import few_bodies, in_a_row, likely_rank
 from surefoot.contact.solvers.delassus_factor import MOST_ROWS, find_factor
-from surefoot.contact.solvers.interior_point import active_contacts, solve_factored
+from surefoot.contact.solvers.interior_point import Extent, Method, active_contacts, solve_factored
 from surefoot.contact.solvers.newton_step import FEW
 from surefoot.contact.solvers.solver import Answer, SolverSettings
 
@@ -71,15 +71,18 @@ def where_dense(
 
 
 def where_light(
-    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None, long: bool = False
-) -> Answer | None:
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None,
+    extent: Extent = Extent.SHORT, at_turns: Method | None = None,
+) -> Answer | None:  # fmt: skip
     """Solve a problem of few bodies, known ones, or contacts in a row, where steps are light; else None.
 
-    By a long path or by all else. A warm start is (n, 3) as `solve_interior`.
+    Another method is asked where the path turns. A warm start is (n, 3) as `solve_interior`.
     """
     if problem.factor is None and not (few_bodies(problem) or in_a_row(problem)):
         return None
-    return _where(problem, settings, warm_start, (-1.0, FEW_BODIES), LIGHT, long, any_sparse=True)
+    return _where(
+        problem, settings, warm_start, (-1.0, FEW_BODIES), LIGHT, (extent, at_turns), any_sparse=True
+    )  # fmt: skip
 
 
 def where_long(
@@ -89,7 +92,7 @@ def where_long(
 
     It takes ten seconds of a wall of 60 bricks, which nothing else solves.
     """
-    return where_light(problem, settings, warm_start, True)
+    return where_light(problem, settings, warm_start, Extent.LONG)
 
 
 def where_lightest(
@@ -108,8 +111,8 @@ def _likely_work(problem: ContactProblem) -> float:
 
 def _where(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None,
-    shares: tuple[float, float], most: float = math.inf, long: bool = False, any_sparse: bool = False,
-    dense: bool = False,
+    shares: tuple[float, float], most: float = math.inf,
+    ways: tuple[Extent, Method | None] = (Extent.SHORT, None), any_sparse: bool = False, dense: bool = False,
 ) -> Answer | None:  # fmt: skip
     """Solve where the rank's share of the rows is above the first, up to the second; else None.
 
@@ -132,4 +135,4 @@ def _where(
     free = any_sparse and (sparse or problem.factor is not None)
     if (rank > MOST_RANK and not sparse) or not (free or shares[0] * rows < rank <= shares[1] * rows):
         return None
-    return solve_factored(problem, settings, warm_start, active, factor, structure, long)
+    return solve_factored(problem, settings, warm_start, active, factor, structure, *ways)
