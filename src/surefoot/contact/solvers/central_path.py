@@ -126,7 +126,7 @@ class CentralPath:
         )
 
     def judge(self, forces: FloatArray, u: FloatArray | None = None) -> float:
-        """Return the velocity error of forces as `measure_error`, and keep the best."""
+        """Return the velocity error of forces (n, 3) as `measure_error`, and keep the best."""
         error = self.measure_error(forces, u)
         if error < self.error:
             self.best, self.error = forces, error
@@ -167,6 +167,8 @@ class CentralPath:
             if turning is not None:
                 turns -= 1
                 log, after = turning.step(self.memory, point, gap)
+                if turning.lost:
+                    break
                 if log <= PASSED or turns <= 0:
                     turning = None
             else:

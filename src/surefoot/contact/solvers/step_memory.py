@@ -17,6 +17,9 @@ MOST_SHORT = 200
 """Steps of the least reach in turn after which a path counts as lost: until then some find it again."""
 MOST_BACK, NEARER = 4, 0.8
 """Steps back to the path, and the share of its distance that one has to leave at most, else it is lost."""
+MOST_AWAY = 20
+"""Steps beside a path of equal shares after which it counts as lost: walls of bricks are back within nine,
+walls of light bricks and heavy ones within twenty, balls in a pit within three, or mostly not in forty."""
 
 
 class StepMemory:
@@ -80,8 +83,8 @@ class Turning:
 
     @property
     def lost(self) -> bool:
-        """Whether steps have been as short as they may be for long."""
-        return self.short > MOST_SHORT
+        """Whether steps have been as short as they may be for long, or beside a path of equal shares."""
+        return self.short > MOST_SHORT or (not self.unequal and self.back >= MOST_AWAY)
 
     def step(self, memory: StepMemory, point: Iterate, gap: float) -> tuple[float, Iterate | None]:
         """Return the change of the log gap and the point after a step.
@@ -89,12 +92,12 @@ class Turning:
         Where steps do not lead back to the path, they start again from where it was met last, shorter.
         """
         log, off, after = memory.go_along(point, gap, self.unequal, self.reach)
+        self.back = 0 if off < NEAR else self.back + 1
         if not self.unequal:
             return log, after
         if off < NEAR:
-            self.reach, self.met, self.back = min(1.0, LONGER * self.reach), point, 0
+            self.reach, self.met = min(1.0, LONGER * self.reach), point
         else:
-            self.back += 1
             lost = self.back > MOST_BACK or (self.back > 1 and off > NEARER * self.off)
             if (lost or after is None) and self.met is not None and self.reach > LEAST_REACH:
                 self.reach, self.back, off, after = SHORTENED * self.reach, 0, math.inf, self.met
