@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -17,6 +19,7 @@ from surefoot.contact.solvers.path_step import IRRATIONAL, Motion, path_step, un
 from surefoot.contact.solvers.reduced_structure import find_structure
 from surefoot.contact.solvers.reduced_system import ReducedSystem
 from surefoot.contact.solvers.solver import Answer, SolverSettings
+from surefoot.contact.solvers.step_memory import StepMemory, Turning
 
 NOTHING = np.empty(0)
 N, R = 10, 6
@@ -143,6 +146,41 @@ def test_the_path_that_equal_shares_lose_is_followed_with_unequal_ones() -> None
     path.follow_unequally(start, interior_point.MOST_UNEQUAL, interior_point.POLISH_FROM)
     assert interior_point.InteriorRun(problem, active, path, 9000).end(start)
     assert path.error <= 1e-6
+
+
+def test_another_path_is_followed_where_one_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same step: four paths, each of its own shares, and then a long one."""
+    pytest.importorskip("mujoco")
+    from benchmarks.problems.stacked_scenes import SCENES, steps
+
+    *_, given = steps(SCENES["wall of 23"], 98)
+    problem = ContactProblem(given.problem.G, given.problem.g, given.problem.mu)
+    shares: list[float] = []
+    follow = CentralPath.follow_unequally
+
+    def lose_first(path: CentralPath, *rest: Any) -> None:
+        shares.append(float(path.memory.unequal[0]))
+        if len(shares) > 1:
+            follow(path, *rest)
+
+    monkeypatch.setattr(CentralPath, "follow_unequally", lose_first)
+    assert sf.solve(problem, "interior_point", 1e-6).solved
+    assert 2 <= len(shares) <= interior_point.PATHS + 1
+    assert len(set(shares[: interior_point.PATHS])) == min(len(shares), interior_point.PATHS)
+
+
+def test_steps_that_bring_no_smaller_gap_are_lost_after_a_while() -> None:
+    path = Path(0, unequal=True)
+    memory = StepMemory(ReducedSystem(path.rows, np.ones((N, 3)), find_structure(path.rows)), N)
+    patient, other = Turning(True, 3.0), Turning(True)
+    gaps = [0.5, 0.4, 0.4, 0.45, 0.4, 0.4]
+    for number, gap in enumerate(gaps):
+        memory.residual[:] = 0.0
+        memory.scale(path.point, 1.0)
+        for turning in (patient, other):
+            turning.step(memory, path.point, gap)
+        assert patient.lost == (number == 5)
+    assert not other.lost
 
 
 def test_shares_of_the_gap_are_unequal_and_one_in_the_mean() -> None:

@@ -211,12 +211,13 @@ class CentralPath:
             point = after
         return False
 
-    def follow_unequally(self, point: Iterate, most: int, enough: float) -> None:
+    def follow_unequally(self, point: Iterate, most: int, enough: float, patience: float = math.inf) -> None:
         """Follow a path by its length, with unequal shares of the gap.
 
-        It ends where an error is enough, after so many steps, or where the path is lost.
+        It ends where an error is enough, after so many steps, or where the path is lost: after so many that
+        bring no smaller gap, too.
         """
-        turning = Turning(True)
+        turning = Turning(True, patience)
         for _ in range(min(most, self.most - self.done)):
             gap, self.last, u, error = self._look(point, 1.0)
             if not gap > 0.0 or error <= max(enough, self.tol) or turning.lost:

@@ -2,7 +2,8 @@
 
 The path (`central_path`) is followed from afresh. Where it leads to 1e-5 of an answer it is followed while
 it lasts, and ADMM with one penalty polishes what was found (`polish`). Where it is lost it is followed again,
-all of it, with unequal shares of the gap: longer, and surer.
+all of it, with unequal shares of the gap: longer, and surer. A few such paths are lost,
+too, and mostly the next one, of other shares, is not.
 Where the shift is held at what was found, a convex program is left that has no turns: coarse answers are
 reached sooner so, and fine ones where a polish comes to rest. The fixed point of shifts (Acary and Cadoux)
 shrinks by a third to two thirds each, which Anderson's mixing shortens to a few, but not at all where
@@ -51,8 +52,10 @@ polished, the tolerance from which on no turn of the path is followed, and itera
 can still be held, and else: one that ends takes hundreds, others come to rest."""
 POLISHED = 1e-7
 """Velocity error from which on no other start leads nearer."""
-MOST_TURNING, MOST_UNEQUAL = 40, 700
-"""Steps along turns of the path, and of one whose contacts have unequal shares of the gap."""
+MOST_TURNING, MOST_UNEQUAL, PATIENCE, PATHS = 40, 700, 200, 4
+"""Steps along turns of the path, and of one whose contacts have unequal shares of the gap, how many of these
+in turn may bring no smaller gap, and how many such paths are tried: one that loses itself says nothing of
+another."""
 MOST_LONG, LONG_WORK, MOST_FINISH, FINISH_FROM = 6000, 3e10, 24_000, 1e3
 """Steps of a long path, multiplications of all its matrices, iterations of ADMM from the end of each, and the
 velocity error, over the tolerance, at which a path has gone far enough for them."""
@@ -134,7 +137,7 @@ class InteriorRun:
     def _from(self, first: Iterate, unequally: bool = False, at_turns: Method | None = None) -> bool:
         """Follow the path from a point, and polish what is near an answer; tell whether it is solved.
 
-        Where it is lost it may be followed unequally, which leads to the same place from every start.
+        Where it is lost paths of unequal shares may be followed, alike from every start.
         """
         path = self.path
         coarse = path.tol >= COARSE
@@ -145,13 +148,11 @@ class InteriorRun:
             return True
         if self.end(first):
             return True
-        # nearer than that it is followed only where a polish from there comes to rest
-        point = first
-        for enough in (POLISH_FROM, path.tol) if unequally else ():
+        for number in range(PATHS if unequally else 0):
             if path.over():
                 break
-            path.follow_unequally(point, min(MOST_UNEQUAL, self.most_long), enough)
-            point = path.points[-1][1]
+            path.memory.unequal = unequal_shares(len(path.mu), number)
+            path.follow_unequally(first, min(MOST_UNEQUAL, self.most_long), POLISH_FROM, PATIENCE)
             if path.error <= path.tol or self.end(first):
                 return True
         # nearer than that, the shift has been held

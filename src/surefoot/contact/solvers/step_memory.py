@@ -74,17 +74,23 @@ class StepMemory:
 
 
 class Turning:
-    """Steps along turns of the path: how far they reach, and where the path was met last."""
+    """Steps along turns of the path: how far they reach, and where the path was met last.
 
-    def __init__(self, unequal: bool) -> None:
-        self.unequal = unequal
+    With unequal shares so many steps in turn may find no smaller gap.
+    """
+
+    def __init__(self, unequal: bool, patience: float = math.inf) -> None:
+        self.unequal, self.patience = unequal, patience
         self.met: Iterate | None = None
         self.reach, self.off, self.back, self.short = 1.0, math.inf, 0, 0
+        self.least, self.idle = math.inf, 0
 
     @property
     def lost(self) -> bool:
-        """Whether steps have been as short as they may be for long, or beside a path of equal shares."""
-        return self.short > MOST_SHORT or (not self.unequal and self.back >= MOST_AWAY)
+        """Whether steps have been as short as they may be, or idle, or beside a path of equal shares."""
+        if not self.unequal:
+            return self.back >= MOST_AWAY
+        return self.short > MOST_SHORT or self.idle > self.patience
 
     def step(self, memory: StepMemory, point: Iterate, gap: float) -> tuple[float, Iterate | None]:
         """Return the change of the log gap and the point after a step.
@@ -92,6 +98,7 @@ class Turning:
         Where steps do not lead back to the path, they start again from where it was met last, shorter.
         """
         log, off, after = memory.go_along(point, gap, self.unequal, self.reach)
+        self.least, self.idle = (gap, 0) if gap < self.least else (self.least, self.idle + 1)
         self.back = 0 if off < NEAR else self.back + 1
         if not self.unequal:
             return log, after
