@@ -52,10 +52,10 @@ polished, the tolerance from which on no turn of the path is followed, and itera
 can still be held, and else: one that ends takes hundreds, others come to rest."""
 POLISHED = 1e-7
 """Velocity error from which on no other start leads nearer."""
-MOST_TURNING, MOST_UNEQUAL, PATIENCE, PATHS = 40, 700, 200, 4
-"""Steps along turns of the path, and of one whose contacts have unequal shares of the gap, how many of these
-in turn may bring no smaller gap, and how many such paths are tried: one that loses itself says nothing of
-another."""
+MOST_TURNING, MOST_UNEQUAL, MOST_ENDING, PATIENCE, PATHS = 40, 700, 100, 200, 4
+"""Steps along turns of the path, of one whose contacts have unequal shares of the gap, and from where that is
+near an answer; how many in turn may bring no smaller gap, how many such paths are tried: one that
+loses itself says nothing of another."""
 MOST_LONG, LONG_WORK, MOST_FINISH, FINISH_FROM = 6000, 3e10, 24_000, 1e3
 """Steps of a long path, multiplications of all its matrices, iterations of ADMM from the end of each, and the
 velocity error, over the tolerance, at which a path has gone far enough for them."""
@@ -152,9 +152,15 @@ class InteriorRun:
             if path.over():
                 break
             path.memory.unequal = unequal_shares(len(path.mu), number)
-            path.follow_unequally(first, min(MOST_UNEQUAL, self.most_long), POLISH_FROM, PATIENCE)
-            if path.error <= path.tol or self.end(first):
-                return True
+            # nearer than that it is followed only where a polish from there comes to rest
+            point = first
+            for most, enough in ((MOST_UNEQUAL, POLISH_FROM), (MOST_ENDING, path.tol)):
+                path.follow_unequally(point, min(most, self.most_long), enough, PATIENCE)
+                point = path.points[-1][1]
+                if path.error <= path.tol or self.end(first):
+                    return True
+                if path.judge(path.last) > NEAR:
+                    break
         # nearer than that, the shift has been held
         return not coarse and path.error > NEAR and (self._hold(first) or self._polish())
 
