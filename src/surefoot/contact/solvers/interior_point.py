@@ -21,7 +21,7 @@ to the last step's forces, at any gap, a third of paths of balls in a pit are lo
 from __future__ import annotations
 
 from collections.abc import Callable
-from enum import Enum, auto
+from enum import Enum
 from typing import Any
 
 import numpy as np
@@ -70,9 +70,9 @@ Method = Callable[[ContactProblem, SolverSettings, FloatArray], Answer]
 class Extent(Enum):
     """How far a solve goes: by all but a long path, by that alone, or by one after the other."""
 
-    SHORT = auto()
-    LONG = auto()
-    WHOLE = auto()
+    SHORT = "short"
+    LONG = "long"
+    WHOLE = "whole"
 
 
 @register("interior_point", bounds=False)

@@ -6,15 +6,17 @@ Each function returns None for a problem that is not its own: `auto` has them at
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from surefoot.base.arrays import FloatArray
+from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.problem.redundancy import few_bodies, in_a_row, likely_rank
 from surefoot.contact.solvers.delassus_factor import MOST_ROWS, find_factor
 from surefoot.contact.solvers.interior_point import Extent, Method, active_contacts, solve_factored
 from surefoot.contact.solvers.newton_step import FEW
+from surefoot.contact.solvers.reduced_structure import Structure
 from surefoot.contact.solvers.solver import Answer, SolverSettings
 
 MOST_RANK, REDUNDANT, FEW_BODIES = 600, 0.75, 0.4
@@ -25,8 +27,36 @@ LONGEST, LONG, LIGHT, LIGHTEST = 4e8, 1e8, 3e7, 1e6
 """Multiplications of a step's matrix up to which all steps take no longer than ten thousand iterations of
 ADMM, than some thousand (others do as well beyond it), than Newton's first ones, and than the compiled call's
 later rounds."""
-NONE = (1.0, 0.0)
-"""No share of the rows."""
+
+
+class MatrixLimits(NamedTuple):
+    """Of which matrices an interior point is asked: those whose rank's share of the rows lies between two.
+
+    Attributes
+    ----------
+    above, most
+        Shares: above the first, and up to the second.
+    work
+        Multiplications of a step's matrix, at most.
+    any_sparse
+        Whether sparse ones, and those of known bodies, may have any rank.
+    dense
+        Whether dense ones alone are wanted.
+    """
+
+    above: float = -1.0
+    most: float = REDUNDANT
+    work: float = math.inf
+    any_sparse: bool = False
+    dense: bool = False
+
+
+REST = MatrixLimits(above=FEW_BODIES)
+BODIES = MatrixLimits(most=FEW_BODIES, work=LONG)
+KNOWN_OR_SPARSE = MatrixLimits(above=1.0, most=0.0, work=LONG, any_sparse=True)
+HEAVY = MatrixLimits(work=LONGEST, dense=True)
+EARLY = MatrixLimits(most=FEW_BODIES, work=LIGHT, any_sparse=True)
+"""What `auto` asks for, before its other methods (`EARLY`) and between them."""
 
 
 def where_redundant(
@@ -37,17 +67,17 @@ def where_redundant(
     Of more than `FEW` contacts where others of this module do not.
     """
     if problem.contacts <= FEW:
-        return _where(problem, settings, warm_start, (-1.0, REDUNDANT))
+        return _solve(problem, settings, warm_start, MatrixLimits())
     if _likely_work(problem) <= LIGHTEST:
         return None
-    return _where(problem, settings, warm_start, (FEW_BODIES, REDUNDANT))
+    return _solve(problem, settings, warm_start, REST)
 
 
 def where_few_bodies(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
     """Solve a problem whose contacts hold few bodies, a warm start (n, 3) as `solve_interior`; else None."""
-    return _where(problem, settings, warm_start, (-1.0, FEW_BODIES), LONG)
+    return _solve(problem, settings, warm_start, BODIES)
 
 
 def where_sparse(
@@ -58,7 +88,7 @@ def where_sparse(
     None for others. A stack is long; balls at rest in a pit creep along motions that next to nothing resists,
     at which other methods crawl.
     """
-    return _where(problem, settings, warm_start, NONE, LONG, any_sparse=True)
+    return _solve(problem, settings, warm_start, KNOWN_OR_SPARSE)
 
 
 def where_dense(
@@ -67,7 +97,7 @@ def where_dense(
     """Solve a problem whose matrix is dense and heavy, a warm start (n, 3) as `solve_interior`; else None."""
     if problem.factor is not None or _likely_work(problem) <= LIGHT:
         return None
-    return _where(problem, settings, warm_start, (-1.0, REDUNDANT), LONGEST, dense=True)
+    return _solve(problem, settings, warm_start, HEAVY)
 
 
 def where_light(
@@ -80,9 +110,7 @@ def where_light(
     """
     if problem.factor is None and not (few_bodies(problem) or in_a_row(problem)):
         return None
-    return _where(
-        problem, settings, warm_start, (-1.0, FEW_BODIES), LIGHT, (extent, at_turns), any_sparse=True
-    )  # fmt: skip
+    return _solve(problem, settings, warm_start, EARLY, extent, at_turns)
 
 
 def where_long(
@@ -101,7 +129,7 @@ def where_lightest(
     """Solve a problem whose steps are lightest, a warm start (n, 3) as `solve_interior`; else None."""
     if _likely_work(problem) > LIGHTEST:
         return None
-    return _where(problem, settings, warm_start, (FEW_BODIES, REDUNDANT))
+    return _solve(problem, settings, warm_start, REST)
 
 
 def _likely_work(problem: ContactProblem) -> float:
@@ -109,30 +137,32 @@ def _likely_work(problem: ContactProblem) -> float:
     return float(problem.g.size * likely_rank(problem) ** 2)
 
 
-def _where(
-    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None,
-    shares: tuple[float, float], most: float = math.inf,
-    ways: tuple[Extent, Method | None] = (Extent.SHORT, None), any_sparse: bool = False, dense: bool = False,
+def _solve(
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None, limits: MatrixLimits,
+    extent: Extent = Extent.SHORT, at_turns: Method | None = None,
 ) -> Answer | None:  # fmt: skip
-    """Solve where the rank's share of the rows is above the first, up to the second; else None.
+    """Solve a problem whose matrix is one of those asked for; else None."""
+    found = _find_matrix(problem, limits)
+    if found is None:
+        return None
+    return solve_factored(problem, settings, warm_start, *found, extent, at_turns)
 
-    A step's matrix takes so many multiplications at most. Sparse ones, and known bodies, may have any rank;
-    or dense ones alone are wanted.
-    """
+
+def _find_matrix(problem: ContactProblem, limits: MatrixLimits) -> tuple[BoolArray, Any, Structure] | None:
+    """Return the active contacts (n,), the factor of their G and its structure; None if not asked for."""
     if problem.general or problem.facets is not None or (problem.normal_max < np.inf).any():
         return None
     if problem.factor is None and problem.g.size > MOST_ROWS:
         return None
     active = active_contacts(problem)
-    found = find_factor(problem, np.repeat(active, 3), most)
+    found = find_factor(problem, np.repeat(active, 3), limits.work)
     if found is None:
         return None
     factor, structure = found
     rows, rank = factor.shape
-    sparse = structure.sparse
-    if dense and sparse:
+    if (limits.dense and structure.sparse) or (rank > MOST_RANK and not structure.sparse):
         return None
-    free = any_sparse and (sparse or problem.factor is not None)
-    if (rank > MOST_RANK and not sparse) or not (free or shares[0] * rows < rank <= shares[1] * rows):
+    free = limits.any_sparse and (structure.sparse or problem.factor is not None)
+    if not (free or limits.above * rows < rank <= limits.most * rows):
         return None
-    return solve_factored(problem, settings, warm_start, active, factor, structure, *ways)
+    return active, factor, structure
