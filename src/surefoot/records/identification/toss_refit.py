@@ -85,6 +85,12 @@ def refit_body(
     best = search(simulate, parameters, start, tosses.frames, draws, scale=found.scale, descents=2)
     spread = dict(zip(names, best.draws.T, strict=True))
     here = now | dict(zip(names, best.values.tolist(), strict=True))
+    # whole throws are steep in the body's numbers, where another corner lands first, and seem to tell them
+    # better than they do: what the frames after the first touch left open is open still
+    for p in around:
+        if p.name in found.draws:
+            known = here[p.name] + found.draws[p.name] - now[p.name]
+            spread[p.name] = wider_draws(spread[p.name], np.clip(known, p.low, p.high))
     estimates = found.parameters | {p.name: estimate_of(here[p.name], spread[p.name], p.unit) for p in around}
     degrees = [float(np.degrees(np.arctan(here[name]))) for name in SLOPES]
     for name, value in zip(("gravity", "tilt_x", "tilt_y"), (here["gravity"], *degrees), strict=True):
@@ -93,6 +99,11 @@ def refit_body(
     drawn = found.draws | {p.name: spread[p.name] for p in around}
     refitted = found.at(BodyNumbers(here, drawn, estimates, best.scale))
     return Refit(best.values[:count], best.draws[:, :count], refitted, best)
+
+
+def wider_draws(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Return of two numbers' draws (S,) those whose 95 % interval is wider."""
+    return max(one, other, key=lambda draws: float(np.subtract(*np.percentile(draws, [97.5, 2.5]))))
 
 
 def list_parameters(simulator: TossModel, found: BodyFit) -> list[TossParameter]:
