@@ -144,39 +144,36 @@ class InteriorRun:
         straight = coarse or at_turns is not None
         if path.follow(first, 0 if straight else MOST_TURNING, POLISH_FROM) or not path.points:
             return path.error <= path.tol
-        if straight and self._avoid_turns(first, None if coarse else at_turns):
+        quicker = False
+        if coarse:  # a coarse answer is reached sooner where the shift is held
+            quicker = self._hold(first)
+        elif at_turns is not None and path.judge(path.last) > POLISH_FROM:
+            quicker = self._finish(at_turns, path.most)
+        if quicker or (straight and path.follow(path.points[-1][1], MOST_TURNING, POLISH_FROM)):
             return True
-        if self.end(first):
+        if self.end(first) or (unequally and self._follow_unequally(first)):
             return True
-        for number in range(PATHS if unequally else 0):
-            if path.over():
-                break
-            path.memory.unequal = unequal_shares(len(path.mu), number)
-            # nearer than that it is followed only where a polish from there comes to rest
-            point = first
+        # nearer than that, the shift has been held
+        return not coarse and path.error > NEAR and (self._hold(first) or self._polish())
+
+    def _follow_unequally(self, first: Iterate) -> bool:
+        """Follow one path of unequal shares after the other, and polish; tell whether the problem is solved.
+
+        Nearer to an answer than a polish begins it is followed only where that comes to rest.
+        """
+        path = self.path
+        for number in range(PATHS):
+            path.memory.unequal, point = unequal_shares(len(path.mu), number), first
             for most, enough in ((MOST_UNEQUAL, POLISH_FROM), (MOST_ENDING, path.tol)):
+                if path.over():
+                    return False
                 path.follow_unequally(point, min(most, self.most_long), enough, PATIENCE)
                 point = path.points[-1][1]
                 if path.error <= path.tol or self.end(first):
                     return True
                 if path.judge(path.last) > NEAR:
                     break
-        # nearer than that, the shift has been held
-        return not coarse and path.error > NEAR and (self._hold(first) or self._polish())
-
-    def _avoid_turns(self, first: Iterate, at_turns: Method | None) -> bool:
-        """Go on where a path may turn, by what may be quicker, else along turns; tell whether it is solved.
-
-        A coarse answer is reached sooner where the shift is held.
-        """
-        path = self.path
-        if at_turns is None:
-            quicker = self._hold(first)
-        elif path.judge(path.last) <= POLISH_FROM:  # the path went straight, and needs a polish
-            quicker = self.end(first)
-        else:
-            quicker = self._finish(at_turns, path.most)
-        return quicker or path.follow(path.points[-1][1], MOST_TURNING, POLISH_FROM)
+        return False
 
     def end(self, first: Iterate) -> bool:
         """Go on from where a path led near an answer; tell whether the problem is solved.
