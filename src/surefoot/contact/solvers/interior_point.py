@@ -34,7 +34,8 @@ from surefoot.contact.solvers.central_path import CentralPath
 from surefoot.contact.solvers.central_step import Iterate
 from surefoot.contact.solvers.delassus_factor import find_factor
 from surefoot.contact.solvers.mixing import Mixing
-from surefoot.contact.solvers.on_blocks import admm_and_newton
+from surefoot.contact.solvers.newton import solve_newton
+from surefoot.contact.solvers.on_blocks import admm_and_newton, heavy
 from surefoot.contact.solvers.path_step import IRRATIONAL, unequal_shares
 from surefoot.contact.solvers.polish import polish
 from surefoot.contact.solvers.reduced_structure import Structure
@@ -50,8 +51,8 @@ POLISH_FROM, NEAR, COARSE, FIRST_POLISH, MOST_POLISH = 1e-5, 1e-3, 3e-5, 250, 80
 """Velocity error at which the path is left to polish what it found, that below which other forces are
 polished, the tolerance from which on no turn of the path is followed, and iterations of a polish where shifts
 can still be held, and else: one that ends takes hundreds, others come to rest."""
-POLISHED = 1e-7
-"""Velocity error from which on no other start leads nearer."""
+POLISHED, MOST_NEWTON = 1e-7, 30
+"""Velocity error from which on no other start leads nearer, and Newton's steps from there."""
 MOST_TURNING, MOST_UNEQUAL, MOST_ENDING, PATIENCE, PATHS = 40, 700, 100, 200, 4
 """Steps along turns of the path, of one whose contacts have unequal shares of the gap, and from where that is
 near an answer; how many in turn may bring no smaller gap, how many such paths are tried: one that
@@ -159,9 +160,14 @@ class InteriorRun:
     def _follow_unequally(self, first: Iterate) -> bool:
         """Follow one path of unequal shares after the other, and polish; tell whether the problem is solved.
 
-        Nearer to an answer than a polish begins it is followed only where that comes to rest.
+        Nearer to an answer than a polish begins it is followed only where that comes to rest. Newton's steps
+        come before all of them where next to nothing is left: they mostly end it.
         """
         path = self.path
+        if path.error <= POLISHED and not heavy(self.problem):
+            path.last = path.best
+            if self._finish(solve_newton, MOST_NEWTON):
+                return True
         for number in range(PATHS):
             path.memory.unequal, point = unequal_shares(len(path.mu), number), first
             for most, enough in ((MOST_UNEQUAL, POLISH_FROM), (MOST_ENDING, path.tol)):
