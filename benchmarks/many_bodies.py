@@ -62,7 +62,7 @@ def in_pit(count: int) -> tuple[list[Place], list[Body]]:
 
 
 def mujoco_scene(
-    places: Sequence[Place], walls: Sequence[Body], step: float, friction: float = 0.6
+    places: Sequence[Place], walls: Sequence[Body], step: float, friction: float
 ) -> tuple[object, object]:
     """Return MuJoCo's model and data of the same spheres and walls."""
     geoms = [f'<geom type="plane" size="9 9 1" friction="{friction}"/>']

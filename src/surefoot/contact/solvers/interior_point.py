@@ -129,13 +129,12 @@ class InteriorRun:
             self._hold(path.start(STARTS[0]))
             return
         for number, size in enumerate(STARTS):
-            path.points = []
-            start = path.start(size)
-            done = self._from(start, True, at_turns) if number == 0 else self._from(start)
+            path.points, first = [], number == 0
+            done = self._from(path.start(size), first, at_turns if first else None)
             if done or path.over() or path.error <= POLISHED:
                 return
 
-    def _from(self, first: Iterate, unequally: bool = False, at_turns: Method | None = None) -> bool:
+    def _from(self, first: Iterate, unequally: bool, at_turns: Method | None) -> bool:
         """Follow the path from a point, and polish what is near an answer; tell whether it is solved.
 
         Where it is lost paths of unequal shares may be followed, alike from every start.

@@ -56,7 +56,8 @@ BODIES = MatrixLimits(most=FEW_BODIES, work=LONG)
 KNOWN_OR_SPARSE = MatrixLimits(above=1.0, most=0.0, work=LONG, any_sparse=True)
 HEAVY = MatrixLimits(work=LONGEST, dense=True)
 EARLY = MatrixLimits(most=FEW_BODIES, work=LIGHT, any_sparse=True)
-"""What `auto` asks for, before its other methods (`EARLY`) and between them."""
+"""What `auto` asks for, before its other methods (`EARLY`) and between them; no dense matrix has a share
+above all of the rows and up to none of them."""
 
 
 def where_redundant(
