@@ -69,6 +69,17 @@ def _divide_lower(own: FloatArray, pivots: IntArray, block: FloatArray) -> None:
                 block[i, j] -= x * block[k, j]
 
 
+@inline_kernel
+def _multiply_row(block: FloatArray, across: FloatArray, width: int, out: FloatArray) -> None:
+    """Fill out (SIZE, width) with a block (SIZE, SIZE) times so many columns of (SIZE, ...)."""
+    r0, r1, r2, r3, r4, r5 = across[0], across[1], across[2], across[3], across[4], across[5]
+    for i in range(SIZE):
+        a, b, c, x, y, z = block[i, 0], block[i, 1], block[i, 2], block[i, 3], block[i, 4], block[i, 5]
+        row = out[i]
+        for j in range(width):
+            row[j] = (a * r0[j] + b * r1[j] + c * r2[j]) + (x * r3[j] + y * r4[j] + z * r5[j])
+
+
 @kernel
 def factorise_blocks(elimination: Elimination, blocks: FloatArray, pivots: IntArray) -> float:
     """Factorise blocks (t, SIZE, SIZE) in place; return the sign of the determinant, zero where none is.
@@ -77,6 +88,9 @@ def factorise_blocks(elimination: Elimination, blocks: FloatArray, pivots: IntAr
     """
     starts, _, first, targets = elimination
     n, sign = starts.size - 1, 1.0
+    # the blocks of a row stand side by side: loops as long as that take half of the time that blocks' take
+    across = np.empty((SIZE, SIZE * n))
+    products = np.empty_like(across)
     for k in range(n):
         own = blocks[k]
         sign *= _factorise_one(own, pivots[SIZE * k : SIZE * k + SIZE])
@@ -86,29 +100,30 @@ def factorise_blocks(elimination: Elimination, blocks: FloatArray, pivots: IntAr
         for e in range(low, high):
             _divide_upper(own, blocks[n + 2 * e])
             _divide_lower(own, pivots[SIZE * k : SIZE * k + SIZE], blocks[n + 2 * e + 1])
+        for e in range(low, high):
+            for i in range(SIZE):
+                for j in range(SIZE):
+                    across[i, SIZE * (e - low) + j] = blocks[n + 2 * e + 1, i, j]
         at = first[k]
         for d in range(low, high):
-            one = blocks[n + 2 * d]
-            for e in range(low, high):
-                two, out = blocks[n + 2 * e + 1], blocks[targets[at]]
+            _multiply_row(blocks[n + 2 * d], across, SIZE * (high - low), products)
+            for e in range(high - low):
+                out = blocks[targets[at]]
                 at += 1
-                # a whole row at once: each entry is fetched and stored once, not once for each of six
                 for i in range(SIZE):
-                    a, b, c, x, y, z = one[i, 0], one[i, 1], one[i, 2], one[i, 3], one[i, 4], one[i, 5]
                     for j in range(SIZE):
-                        left = a * two[0, j] + b * two[1, j] + c * two[2, j]
-                        out[i, j] -= left + (x * two[3, j] + y * two[4, j] + z * two[5, j])
+                        out[i, j] -= products[i, SIZE * e + j]
     return sign
 
 
 @inline_kernel
 def _subtract(block: FloatArray, right: FloatArray, start: int, end: int) -> None:
     """Subtract a block (SIZE, SIZE) times the rows from `start` on of (SIZE * B,) from those of `end` on."""
+    a, b, c = right[start], right[start + 1], right[start + 2]
+    x, y, z = right[start + 3], right[start + 4], right[start + 5]
     for i in range(SIZE):
-        x = 0.0
-        for j in range(SIZE):
-            x += block[i, j] * right[start + j]
-        right[end + i] -= x
+        left = block[i, 0] * a + block[i, 1] * b + block[i, 2] * c
+        right[end + i] -= left + (block[i, 3] * x + block[i, 4] * y + block[i, 5] * z)
 
 
 @inline_kernel
@@ -123,8 +138,10 @@ def solve_blocks(
             other = at + pivots[at + i]
             right[at + i], right[other] = right[other], right[at + i]
         for i in range(SIZE):
+            x = right[at + i]
             for j in range(i):
-                right[at + i] -= own[i, j] * right[at + j]
+                x -= own[i, j] * right[at + j]
+            right[at + i] = x
         for e in range(starts[k], starts[k + 1]):
             _subtract(blocks[n + 2 * e], right, at, SIZE * below[e])
     for k in range(n - 1, -1, -1):

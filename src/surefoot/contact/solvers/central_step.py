@@ -30,6 +30,8 @@ OFF_CENTRE = 1e-2
 """Least centrality after a step."""
 REFINEMENTS = 1
 """Corrections of a step by its own residual; a direction that only tells how far to go needs none."""
+EXACT = 1e-9
+"""Residual of a direction, over its own size, that needs no correction."""
 SHORTER, SHORTEST = 0.8, 1e-10
 """By how much a step is shortened that leaves the centre, and where that ends."""
 
@@ -41,7 +43,7 @@ def fill_direction(
 ) -> None:  # fmt: skip
     """Fill the steps dx, dy (n, 3) with dx + P dy = aim and S dy = Y Yᵀ dx - residual.
 
-    They are corrected by their own residual so many times.
+    They are corrected by their own residual so many times, as long as there is one.
     """
     n, r = len(aim), rows.size
     v, change, flat = np.empty(r), np.empty(r), np.empty(3 * n)
@@ -58,13 +60,18 @@ def fill_direction(
             for a in range(3):
                 moved[k, a] = flat[3 * k + a] - residual[k, a]
         finish_direction(axes, y, share, aim, moved, dx, dy)
-        if turn < times:
-            gather_rows(rows, dx, change)
-            for j in range(r):
-                change[j] -= v[j]
-            solve_factors(factors, change)
-            for j in range(r):
-                v[j] += change[j]
+        if turn == times:
+            return
+        gather_rows(rows, dx, change)
+        missed = size = 0.0
+        for j in range(r):
+            change[j] -= v[j]
+            missed, size = max(missed, abs(change[j])), max(size, abs(v[j]))
+        if missed <= EXACT * size:
+            return
+        solve_factors(factors, change)
+        for j in range(r):
+            v[j] += change[j]
 
 
 @inline_kernel

@@ -92,30 +92,30 @@ def group_columns(starts: IntArray, contacts: IntArray, size: int, alike: float)
     return where
 
 
-def least_degree(pattern: Any) -> IntArray:
+def least_degree(meet: BoolArray) -> IntArray:
     """Return the blocks in an order in which their elimination fills few others.
 
     Parameters
     ----------
-    pattern
-        (B, B) sparse and symmetric, its diagonal full.
+    meet
+        (B, B) which blocks are there, symmetric, its diagonal full.
     """
-    matrix: Any = sp.csc_matrix(
-        (np.full(pattern.nnz, -1.0), pattern.indices, pattern.indptr), shape=pattern.shape
-    )
-    matrix.setdiag(float(pattern.shape[0]))
+    n = len(meet)
+    row, column = np.nonzero(meet)
+    starts = np.append(0, np.cumsum(np.count_nonzero(meet, axis=1)))
+    values = np.where(row == column, float(n), -1.0)
+    matrix: Any = sp.csc_matrix((values, column.astype(np.int32), starts.astype(np.int32)), shape=(n, n))
     return np.argsort(scipy.sparse.linalg.splu(matrix, **LIKE_ALL).perm_c, kind="stable").astype(np.int64)
 
 
 @kernel
-def _fill(starts: IntArray, rows: IntArray) -> BoolArray:
-    """Return (B, B) which blocks below the diagonal are filled, columns as rows."""
-    n = starts.size - 1
+def _fill(meet: BoolArray) -> BoolArray:
+    """Return (B, B) which blocks below the diagonal are filled where these are there, columns as rows."""
+    n = len(meet)
     filled = np.zeros((n, n), dtype=np.bool_)
     for k in range(n):
-        for at in range(starts[k], starts[k + 1]):
-            if rows[at] > k:
-                filled[k, rows[at]] = True
+        for i in range(k + 1, n):
+            filled[k, i] = meet[k, i]
     for k in range(n):
         parent = n
         for i in range(k + 1, n):
@@ -128,14 +128,25 @@ def _fill(starts: IntArray, rows: IntArray) -> BoolArray:
 
 
 @kernel
-def _targets(starts: IntArray, below: IntArray, first: IntArray) -> IntArray:
-    """Return the places of the blocks that each column's elimination changes."""
+def find_places(starts: IntArray, below: IntArray) -> IntArray:
+    """Return (B, B) where an elimination's blocks are, by row and column; -1 for those that stay zero.
+
+    Its columns begin at `starts` (B + 1,) in `below` (nb,), see `Elimination`.
+    """
     n = starts.size - 1
-    place, targets = np.full((n, n), -1), np.empty(first[n], dtype=np.int64)
+    place = np.full((n, n), -1)
     for k in range(n):
         place[k, k] = k
         for e in range(starts[k], starts[k + 1]):
             place[below[e], k], place[k, below[e]] = n + 2 * e, n + 2 * e + 1
+    return place
+
+
+@kernel
+def _targets(starts: IntArray, below: IntArray, first: IntArray) -> IntArray:
+    """Return the places of the blocks that each column's elimination changes."""
+    n = starts.size - 1
+    place, targets = find_places(starts, below), np.empty(first[n], dtype=np.int64)
     for k in range(n):
         at = first[k]
         for d in range(starts[k], starts[k + 1]):
@@ -145,26 +156,16 @@ def _targets(starts: IntArray, below: IntArray, first: IntArray) -> IntArray:
     return targets
 
 
-def find_elimination(pattern: Any, most: float) -> Elimination | None:
-    """Return what the elimination of a pattern (B, B), sparse and symmetric, fills in the order that it has.
+def find_elimination(meet: BoolArray, most: float) -> Elimination | None:
+    """Return what the elimination of blocks (B, B), symmetric, fills in the order that they have.
 
     None where it takes more products of blocks than `most`.
     """
-    filled = _fill(pattern.indptr.astype(np.int64), pattern.indices.astype(np.int64))
-    counts = filled.sum(axis=1)
+    filled = _fill(meet)
+    counts = np.count_nonzero(filled, axis=1)
     starts = np.append(0, np.cumsum(counts)).astype(np.int64)
     first = np.append(0, np.cumsum(counts * counts)).astype(np.int64)
     if first[-1] > most:
         return None
     below = np.nonzero(filled)[1].astype(np.int64)
     return Elimination(starts, below, first, _targets(starts, below, first))
-
-
-def find_places(elimination: Elimination, one: IntArray, two: IntArray) -> IntArray:
-    """Return the places (...) of the blocks of rows `one` (...) and columns `two` (...)."""
-    starts, below = elimination.starts, elimination.below
-    n = starts.size - 1
-    column = np.repeat(np.arange(n), np.diff(starts))
-    low, high = np.minimum(one, two), np.maximum(one, two)
-    at = np.searchsorted(column * n + below, low * n + high)
-    return np.where(one == two, one, n + 2 * at + (one < two))

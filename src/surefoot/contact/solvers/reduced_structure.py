@@ -13,6 +13,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from surefoot.base.arrays import IntArray
+from surefoot.base.kernels import kernel
 from surefoot.contact.solvers.elimination import (
     ALIKE,
     NOTHING,
@@ -67,37 +68,44 @@ def find_structure(factor: Any) -> Structure:
     dense = Structure(NOTHING, none, none.reshape(0, 0), none.reshape(0, 0, 0), float(m) * r * r)
     if isinstance(factor, np.ndarray):
         return dense
-    contact = np.repeat(np.arange(m) // 3, np.diff(factor.indptr))
-    moves: Any = sp.csr_matrix((np.ones(factor.nnz), (contact, factor.indices)), shape=(m // 3, r))
-    by_column = moves.tocsc()
-    by_column.sort_indices()
+    starts = factor.indptr[::3].astype(np.int64)
+    by_column: Any = sp.csr_matrix((factor.data, factor.indices, starts), shape=(m // 3, r)).tocsc()
+    by_column.sum_duplicates()
     where = group_columns(by_column.indptr, by_column.indices, SIZE, ALIKE)
     count = int(where.max(initial=-1)) // SIZE + 1
     if not 0 < count <= MOST_BLOCKS:
         return dense
     # which blocks a contact moves, numbered as they are eliminated
-    group = where // SIZE
-    met: Any = sp.csr_matrix((np.ones(moves.nnz), group[moves.indices], moves.indptr), shape=(m // 3, count))
-    number = np.empty(count, dtype=np.int64)
-    number[least_degree((met.T @ met).tocsc())] = np.arange(count)
-    met = sp.csr_matrix((met.data, number[met.indices], met.indptr), shape=met.shape)
-    met.sum_duplicates()
-    elimination = find_elimination((met.T @ met).tocsr(), WORTH * dense.work / PRODUCT)
-    if elimination is None:
-        return dense
-    moved = _list_rows(met)
+    number, moved = np.empty(count, dtype=np.int64), list_blocks(starts, where[factor.indices] // SIZE)
     one, two = np.broadcast_arrays(moved[:, :, None], moved[:, None, :])
     both = (one >= 0) & (two >= 0)
-    products = np.where(both, find_places(elimination, np.maximum(one, 0), np.maximum(two, 0)), -1)
-    place = np.where(where < 0, -1, SIZE * number[group] + where % SIZE)
+    meet = np.zeros((count, count), dtype=np.bool_)
+    meet[one[both], two[both]] = True
+    order = least_degree(meet)
+    elimination = find_elimination(meet[order][:, order], WORTH * dense.work / PRODUCT)
+    if elimination is None:
+        return dense
+    number[order] = np.arange(count)
+    moved = np.where(moved >= 0, number[moved], -1)
+    products = np.full(both.shape, -1)
+    products[both] = find_places(elimination.starts, elimination.below)[number[one[both]], number[two[both]]]
+    place = np.where(where < 0, -1, SIZE * number[where // SIZE] + where % SIZE)
     work = PRODUCT * (elimination.targets.size + 0.5 * np.count_nonzero(both))
     return Structure(elimination, place, moved, products, work)
 
 
-def _list_rows(matrix: Any) -> IntArray:
-    """Return the columns of each row's entries (n, widest), compressed rows, filled up with -1."""
-    widths = np.diff(matrix.indptr)
-    out = np.full((matrix.shape[0], int(widths.max())), -1)
-    slot = np.arange(matrix.nnz) - np.repeat(matrix.indptr[:-1], widths)
-    out[np.repeat(np.arange(len(out)), widths), slot] = matrix.indices
-    return out
+@kernel
+def list_blocks(starts: IntArray, blocks: IntArray) -> IntArray:
+    """Return the blocks that each contact moves (n, widest), filled up with -1.
+
+    Each contact's entries begin at `starts` (n + 1,) among the blocks (nnz,) of all; some come twice.
+    """
+    n = starts.size - 1
+    out, widest, counts = np.full((n, max(1, np.diff(starts).max())), -1), 0, np.zeros(n, dtype=np.int64)
+    for k in range(n):
+        for e in range(starts[k], starts[k + 1]):
+            if blocks[e] not in out[k, : counts[k]]:
+                out[k, counts[k]] = blocks[e]
+                counts[k] += 1
+        widest = max(widest, counts[k])
+    return out[:, :widest].copy()

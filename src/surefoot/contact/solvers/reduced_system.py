@@ -191,11 +191,24 @@ def _narrow(factor: Any, structure: Structure) -> Rows:
     moved, place = structure.moved, structure.place
     n, width = moved.shape
     # columns of no block are those of the first one, times zero
-    first = SIZE * np.maximum(np.maximum(moved, moved[:, :1]), 0)
+    first = SIZE * np.maximum(np.where(moved < 0, moved[:, :1], moved), 0)
     columns = np.ascontiguousarray((first[:, :, None] + np.arange(SIZE)).reshape(n, SIZE * width))
     values = np.zeros((3 * n, SIZE * width))
-    row = np.repeat(np.arange(3 * n), np.diff(factor.indptr))
-    at = place[factor.indices]
-    slot = np.argmax(moved[row // 3] == (at // SIZE)[:, None], axis=1)
-    np.add.at(values, (row, SIZE * slot + at % SIZE), factor.data)  # an entry may be stored in parts
+    _fill_rows(factor.indptr, place[factor.indices], factor.data, moved, values)
     return Rows(values, np.empty((0, 0)), columns, SIZE * (structure.elimination.starts.size - 1))
+
+
+@kernel
+def _fill_rows(
+    starts: IntArray, places: IntArray, entries: FloatArray, moved: IntArray, out: FloatArray
+) -> None:
+    """Add the entries (nnz,) of compressed rows (3n) to out (3n, w), on the blocks (n, b) that are moved.
+
+    Rows begin at `starts` (3n + 1,), and entries have places (nnz,) among the unknowns of all blocks.
+    """
+    for k in range(len(out)):
+        for e in range(starts[k], starts[k + 1]):
+            block, slot = places[e] // SIZE, 0
+            while moved[k // 3, slot] != block:
+                slot += 1
+            out[k, SIZE * slot + places[e] % SIZE] += entries[e]  # one may be stored in parts
