@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.base.arrays import FloatArray
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.solvers import interior_point
 from surefoot.contact.solvers.central_path import CentralPath
@@ -18,7 +17,6 @@ from surefoot.contact.solvers.delassus_factor import find_factor
 from surefoot.contact.solvers.path_step import IRRATIONAL, Motion, path_step, unequal_shares
 from surefoot.contact.solvers.reduced_structure import find_structure
 from surefoot.contact.solvers.reduced_system import ReducedSystem
-from surefoot.contact.solvers.solver import Answer, SolverSettings
 from surefoot.contact.solvers.step_memory import StepMemory, Turning
 
 NOTHING = np.empty(0)
@@ -100,35 +98,6 @@ def test_a_turn_of_a_wall_of_23_bricks_is_passed() -> None:
         errors.append(path.error)
     assert errors[0] > 1e-3
     assert errors[1] <= 1e-5
-
-
-def test_another_method_is_asked_where_the_path_turns_and_only_there() -> None:
-    """A wall's path turns, that of a few loose boxes does not."""
-    pytest.importorskip("mujoco")
-    from benchmarks.problems.stacked_scenes import SCENES, steps
-
-    asked: list[float] = []
-    for name, turns in (("wall of 23", True), ("stack of 3", False)):
-        given = next(steps(SCENES[name], 1)).problem
-        problem = ContactProblem(given.G, given.g, given.mu)
-        good = sf.solve(problem, "auto", 1e-8).raise_if_failed().forces
-        active = np.ones(problem.contacts, dtype=bool)
-        found = find_factor(problem, np.repeat(active, 3))
-        assert found is not None
-        asked.clear()
-
-        def take_good(_: ContactProblem, settings: SolverSettings, __: FloatArray) -> Answer:
-            asked.append(settings.tol)
-            return Answer(good, 5, sf.Status.STALLED)  # noqa: B023
-
-        settings = SolverSettings(1e-8, None, np.inf)
-        answer = interior_point.solve_factored(
-            problem, settings, None, active, *found, at_turns=take_good
-        )  # fmt: skip
-        assert len(asked) == turns
-        assert sf.residuals(problem, answer.forces).worst <= 1e-8
-        if turns:
-            assert np.array_equal(answer.forces, good)
 
 
 def test_the_path_that_equal_shares_lose_is_followed_with_unequal_ones() -> None:

@@ -31,7 +31,7 @@ from surefoot.contact.sets import ContactSet
 from surefoot.contact.solution import Status
 from surefoot.contact.solvers import on_blocks
 from surefoot.contact.solvers import strategies as plans
-from surefoot.contact.solvers.compiled import COMPILED_CONTACTS, LATER, UNBOUNDED, attempt
+from surefoot.contact.solvers.compiled import COMPILED_CONTACTS, LATER, attempt
 from surefoot.contact.solvers.infeasibility import find_proof
 from surefoot.contact.solvers.newton_step import FEW
 from surefoot.contact.solvers.redundant_contacts import (
@@ -86,19 +86,11 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     forces = start_forces(problem, warm_start)
     tried: list[FloatArray] = []
 
-    def light(forces: FloatArray, most: int, steps: on_blocks.Steps | None) -> int:
+    def light(forces: FloatArray, most: int) -> int:
         """Take the forces of an interior point if better, where bodies are few or known and steps light."""
-
-        def take_steps(_: ContactProblem, settings: SolverSettings, __: FloatArray) -> Answer:
-            assert steps is not None
-            own, most = forces.copy(), settings.max_iterations
-            used = steps(own, UNBOUNDED if most is None else most)
-            return Answer(own.reshape(-1, 3), used, Status.STALLED)
-
         left = settings.max_time - (working_time() - start)
         bound = None if settings.max_iterations is None else most
-        wanted, at_turns = SolverSettings(settings.tol, bound, left), take_steps if steps else None
-        found = where_light(problem, wanted, None, at_turns=at_turns)
+        found = where_light(problem, SolverSettings(settings.tol, bound, left), None)
         if found is None:
             return 0
         tried.append(found.forces)

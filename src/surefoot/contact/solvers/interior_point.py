@@ -94,9 +94,9 @@ def active_contacts(problem: ContactProblem) -> BoolArray:
 
 def solve_factored(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None, active: BoolArray,
-    factor: Any, structure: Structure, extent: Extent = Extent.SHORT, at_turns: Method | None = None,
+    factor: Any, structure: Structure, extent: Extent = Extent.SHORT,
 ) -> Answer:  # fmt: skip
-    """Solve with the factor (rows, r) of the active contacts' G; another method is asked where paths turn."""
+    """Solve with the factor (rows, r) of the active contacts' G."""
     end = working_time() + settings.max_time
     forces = nearest_to_zero(problem) if warm_start is None else warm_start.reshape(-1, 3).copy()
     forces[~active] = nearest_to_zero(problem)[~active]
@@ -107,7 +107,7 @@ def solve_factored(
     run = InteriorRun(problem, active, path, min(MOST_LONG, int(LONG_WORK / max(structure.work, 1.0))))
     before = path.measure_error(np.ascontiguousarray(forces[active]))
     if extent is not Extent.LONG:
-        run.go(at_turns)
+        run.go()
     if extent is not Extent.SHORT and path.error > settings.tol:
         run.go_long()
     if path.error < before:
@@ -122,7 +122,7 @@ class InteriorRun:
     def __init__(self, problem: ContactProblem, active: BoolArray, path: CentralPath, most_long: int) -> None:
         self.problem, self.active, self.path, self.most_long = problem, active, path, most_long
 
-    def go(self, at_turns: Method | None = None) -> None:
+    def go(self) -> None:
         """Try one start after the other until the problem is solved, or iterations or time are spent."""
         path = self.path
         if not path.coulomb:
@@ -130,26 +130,20 @@ class InteriorRun:
             return
         for number, size in enumerate(STARTS):
             path.points, first = [], number == 0
-            done = self._from(path.start(size), first, at_turns if first else None)
-            if done or path.over() or path.error <= POLISHED:
+            if self._from(path.start(size), first) or path.over() or path.error <= POLISHED:
                 return
 
-    def _from(self, first: Iterate, unequally: bool, at_turns: Method | None) -> bool:
+    def _from(self, first: Iterate, unequally: bool) -> bool:
         """Follow the path from a point, and polish what is near an answer; tell whether it is solved.
 
         Where it is lost paths of unequal shares may be followed, alike from every start.
         """
         path = self.path
         coarse = path.tol >= COARSE
-        straight = coarse or at_turns is not None
-        if path.follow(first, 0 if straight else MOST_TURNING, POLISH_FROM) or not path.points:
+        if path.follow(first, 0 if coarse else MOST_TURNING, POLISH_FROM) or not path.points:
             return path.error <= path.tol
-        quicker = False
-        if coarse:  # a coarse answer is reached sooner where the shift is held
-            quicker = self._hold(first)
-        elif at_turns is not None and path.judge(path.last) > POLISH_FROM:
-            quicker = self._finish(at_turns, path.most)
-        if quicker or (straight and path.follow(path.points[-1][1], MOST_TURNING, POLISH_FROM)):
+        # a coarse answer is reached sooner where the shift is held
+        if coarse and (self._hold(first) or path.follow(path.points[-1][1], MOST_TURNING, POLISH_FROM)):
             return True
         if self.end(first) or (unequally and self._follow_unequally(first)):
             return True

@@ -29,16 +29,14 @@ FIRST_TRY = (0.3, 50, 8)
 """Newton on blocks: the proximal term's share, sweeps after a step, and patience."""
 NEAR = 5e-3
 """A velocity error that sweeps have left, up to which a few Newton steps end it sooner than anything else."""
-HALVING, HALVING_KNOWN = 5, 3
-"""Of many contacts, steps in which the error has to halve, and where the bodies are known: where it does not,
-other methods are quicker."""
+HALVING = 5
+"""Of many contacts, steps in which the error has to halve: where it does not, another method is quicker."""
 FINISH = (0.1, 50, 5)
 """Newton from the forces of ADMM: share, sweeps, patience."""
 
 Steps = Callable[[FloatArray, int], int]
-"""Take so many iterations at most from flat forces (3n,), updated in place; return how many were taken."""
-Between = Callable[[FloatArray, int, Steps | None], int]
-"""The same, zero where it does not try, with Newton steps that may be of use on the way."""
+"""Take so many iterations at most from flat forces (3n,), updated in place; return how many were taken, zero
+where it does not try."""
 
 
 def heavy(problem: ContactProblem) -> bool:
@@ -85,7 +83,7 @@ def alternate(
     problem: ContactProblem,
     settings: SolverSettings,
     forces: FloatArray,
-    between: Between | None = None,
+    between: Steps | None = None,
 ) -> tuple[int, float, float]:
     """Sweep on the blocks of G as long as that will do, then take Newton steps with sweeps between them.
 
@@ -106,16 +104,13 @@ def alternate(
         return done, error, far
 
     def take_steps(forces: FloatArray, most: int) -> int:
-        return newton.run(forces, most, *FIRST_TRY, span)[0]
-
-    def take_other(forces: FloatArray, most: int) -> int:
-        return between(forces, most, take_steps if near and known else None) if between is not None else 0
+        return newton.run(forces, most, *FIRST_TRY, None if between is None else HALVING)[0]
 
     # near an answer Newton steps end it sooner, if they can; far from it they may not even start well. Where
-    # bodies are known the other method's way is as short as theirs, as long as it is straight
-    near, known = error <= NEAR, problem.factor is not None
-    first, span = near and not known, None if between is None else HALVING_KNOWN if known else HALVING
-    for method in (take_steps, take_other) if first else (take_other, take_steps):
+    # bodies are known the other method's way is as short as theirs
+    first = error <= NEAR and problem.factor is None
+    other = [] if between is None else [between]
+    for method in (take_steps, *other) if first else (*other, take_steps):
         if error <= tol or done >= most or working_time() >= newton.end:
             break
         used = method(forces, most - done)

@@ -14,7 +14,7 @@ from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.problem.redundancy import few_bodies, in_a_row, likely_rank
 from surefoot.contact.solvers.delassus_factor import MOST_ROWS, find_factor
-from surefoot.contact.solvers.interior_point import Extent, Method, active_contacts, solve_factored
+from surefoot.contact.solvers.interior_point import Extent, active_contacts, solve_factored
 from surefoot.contact.solvers.newton_step import FEW
 from surefoot.contact.solvers.reduced_structure import Structure
 from surefoot.contact.solvers.solver import Answer, SolverSettings
@@ -103,15 +103,15 @@ def where_dense(
 
 def where_light(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None,
-    extent: Extent = Extent.SHORT, at_turns: Method | None = None,
+    extent: Extent = Extent.SHORT,
 ) -> Answer | None:  # fmt: skip
     """Solve a problem of few bodies, known ones, or contacts in a row, where steps are light; else None.
 
-    Another method is asked where the path turns. A warm start is (n, 3) as `solve_interior`.
+    A warm start is (n, 3) as `solve_interior`.
     """
     if problem.factor is None and not (few_bodies(problem) or in_a_row(problem)):
         return None
-    return _solve(problem, settings, warm_start, EARLY, extent, at_turns)
+    return _solve(problem, settings, warm_start, EARLY, extent)
 
 
 def where_long(
@@ -140,13 +140,13 @@ def _likely_work(problem: ContactProblem) -> float:
 
 def _solve(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None, limits: MatrixLimits,
-    extent: Extent = Extent.SHORT, at_turns: Method | None = None,
+    extent: Extent = Extent.SHORT,
 ) -> Answer | None:  # fmt: skip
     """Solve a problem whose matrix is one of those asked for; else None."""
     found = _find_matrix(problem, limits)
     if found is None:
         return None
-    return solve_factored(problem, settings, warm_start, *found, extent, at_turns)
+    return solve_factored(problem, settings, warm_start, *found, extent)
 
 
 def _find_matrix(problem: ContactProblem, limits: MatrixLimits) -> tuple[BoolArray, Any, Structure] | None:
