@@ -52,7 +52,7 @@ POLISH_FROM, NEAR, COARSE, FIRST_POLISH, MOST_POLISH = 1e-5, 1e-3, 3e-5, 250, 80
 polished, the tolerance from which on no turn of the path is followed, and iterations of a polish where shifts
 can still be held, and else: one that ends takes hundreds, others come to rest."""
 POLISHED, MOST_NEWTON = 1e-7, 30
-"""Velocity error from which on no other start leads nearer, and Newton's steps from there."""
+"""Velocity error from which on no other start or long path leads nearer, and Newton's steps from there."""
 MOST_TURNING, MOST_UNEQUAL, MOST_ENDING, PATIENCE, PATHS = 40, 700, 100, 200, 4
 """Steps along turns of the path, of one whose contacts have unequal shares of the gap, and from where that is
 near an answer; how many in turn may bring no smaller gap, how many such paths are tried: one that
@@ -202,7 +202,8 @@ class InteriorRun:
             path.memory.unequal = unequal_shares(len(path.mu), number)
             enough = max(FINISH_FROM * path.tol, POLISH_FROM)
             path.follow_unequally(path.start(STARTS[0]), self.most_long, enough)
-            if path.error <= path.tol or self._finish(admm_and_newton, MOST_FINISH) or path.over():
+            solved = path.error <= path.tol or self._finish(admm_and_newton, MOST_FINISH)
+            if solved or path.over() or path.error <= POLISHED:
                 return
 
     def _polish(self, most: int = MOST_POLISH) -> bool:

@@ -206,6 +206,8 @@ def _nearest(
     for k in range(3):
         points[first, k] = 0.5 * (seen[4 + k] + seen[7 + k])
         normals[first, k] = n[k]
+    if not (half[a].any() and half[b].any()):  # a ball touches in one place
+        return
     at_a, along_a, at_b, along_b = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
     length_a = _line(half[a], rotation[a], centre[a], n, 1.0, at_a, along_a)
     length_b = _line(half[b], rotation[b], centre[b], n, -1.0, at_b, along_b)
