@@ -127,7 +127,7 @@ def _with_places_of(matrix: Any, other: Any) -> Any:
 def read_factor(Y: Any) -> Any:
     """Return a factor Y (m, nv) of G = Y Yᵀ in CSR without columns of bodies that no contact moves."""
     rows = sp.csr_matrix(Y, dtype=np.float64)
-    used = np.unique(rows.indices)
+    used = np.flatnonzero(np.bincount(rows.indices, minlength=rows.shape[1]))
     return rows if len(used) == rows.shape[1] else rows[:, used]
 
 

@@ -95,8 +95,9 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
             return 0
         tried.append(found.forces)
         # far from an answer it tells less than sweeps do: theirs run away where there is none
-        if worst_of(problem, found.forces) < min(
-            max(POSSIBLE, settings.tol), worst_of(problem, forces.reshape(-1, 3))
+        error = worst_of(problem, found.forces)
+        if error < max(POSSIBLE, settings.tol) and (
+            error <= settings.tol or error < worst_of(problem, forces.reshape(-1, 3))
         ):
             forces[:] = found.forces.ravel()
         return max(found.iterations, 1)

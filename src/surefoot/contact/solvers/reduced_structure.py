@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
-from surefoot.base.arrays import IntArray
+from surefoot.base.arrays import BoolArray, IntArray
 from surefoot.base.kernels import kernel
 from surefoot.contact.solvers.elimination import (
     ALIKE,
@@ -75,20 +75,19 @@ def find_structure(factor: Any) -> Structure:
     count = int(where.max(initial=-1)) // SIZE + 1
     if not 0 < count <= MOST_BLOCKS:
         return dense
-    # which blocks a contact moves, numbered as they are eliminated
-    number, moved = np.empty(count, dtype=np.int64), list_blocks(starts, where[factor.indices] // SIZE)
-    one, two = np.broadcast_arrays(moved[:, :, None], moved[:, None, :])
-    both = (one >= 0) & (two >= 0)
-    meet = np.zeros((count, count), dtype=np.bool_)
-    meet[one[both], two[both]] = True
+    moved = list_blocks(starts, where[factor.indices] // SIZE)
+    meet = meeting_blocks(moved, count)
     order = least_degree(meet)
     elimination = find_elimination(meet[order][:, order], WORTH * dense.work / PRODUCT)
     if elimination is None:
         return dense
+    # numbered as they are eliminated
+    number = np.empty(count, dtype=np.int64)
     number[order] = np.arange(count)
     moved = np.where(moved >= 0, number[moved], -1)
-    products = np.full(both.shape, -1)
-    products[both] = find_places(elimination.starts, elimination.below)[number[one[both]], number[two[both]]]
+    one, two = np.broadcast_arrays(moved[:, :, None], moved[:, None, :])
+    both = (one >= 0) & (two >= 0)
+    products = np.where(both, find_places(elimination.starts, elimination.below)[one, two], -1)
     place = np.where(where < 0, -1, SIZE * number[where // SIZE] + where % SIZE)
     work = PRODUCT * (elimination.targets.size + 0.5 * np.count_nonzero(both))
     return Structure(elimination, place, moved, products, work)
@@ -100,12 +99,26 @@ def list_blocks(starts: IntArray, blocks: IntArray) -> IntArray:
 
     Each contact's entries begin at `starts` (n + 1,) among the blocks (nnz,) of all; some come twice.
     """
-    n = starts.size - 1
-    out, widest, counts = np.full((n, max(1, np.diff(starts).max())), -1), 0, np.zeros(n, dtype=np.int64)
+    n, last = starts.size - 1, np.full(blocks.max() + 1, -1)
+    out, widest = np.full((n, np.diff(starts).max()), -1), 0
     for k in range(n):
+        count = 0
         for e in range(starts[k], starts[k + 1]):
-            if blocks[e] not in out[k, : counts[k]]:
-                out[k, counts[k]] = blocks[e]
-                counts[k] += 1
-        widest = max(widest, counts[k])
+            if last[blocks[e]] != k:
+                last[blocks[e]] = k
+                out[k, count] = blocks[e]
+                count += 1
+        widest = max(widest, count)
     return out[:, :widest].copy()
+
+
+@kernel
+def meeting_blocks(moved: IntArray, count: int) -> BoolArray:
+    """Return which of so many blocks (B, B) any contact moves together, of what each moves (n, widest)."""
+    meet = np.zeros((count, count), dtype=np.bool_)
+    for k in range(len(moved)):
+        for one in moved[k]:
+            for two in moved[k]:
+                if one >= 0 and two >= 0:
+                    meet[one, two] = True
+    return meet

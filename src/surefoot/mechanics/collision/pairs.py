@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
-from surefoot.base.kernels import kernel
+from surefoot.base.kernels import inline_kernel, kernel
 from surefoot.mechanics.collision.contact_rates import contact_rates
 from surefoot.mechanics.collision.manifold import manifolds
 from surefoot.mechanics.collision.rounded_shapes import Shape, coal
@@ -151,10 +151,12 @@ class PairSearch:
         keys = pairs[:, 0] * len(self._solids) + pairs[:, 1]
         # a pair near for the first time gets slots behind all others, and keeps
         # them: numbers of contacts never change
-        fresh = pairs[~np.isin(keys, self._keys)]
-        if len(fresh):
-            self._add(fresh)
-        return np.asarray(self._order[np.searchsorted(self._keys, keys)])
+        at = np.searchsorted(self._keys, keys)
+        fresh = np.append(self._keys, -1)[at] != keys
+        if fresh.any():
+            self._add(pairs[fresh])
+            at = np.searchsorted(self._keys, keys)
+        return np.asarray(self._order[at])
 
     def _look(self, a: int, b: int, row: FloatArray, centre: FloatArray) -> None:
         """Write normal, distance and nearest points of two solids into row (10,)."""
@@ -275,7 +277,7 @@ def look_at_balls(
     return seen, balls
 
 
-@kernel
+@inline_kernel
 def nearest_of_core(
     point: FloatArray, half: FloatArray, rotation: FloatArray, centre: FloatArray, n: FloatArray,
     q: FloatArray,
