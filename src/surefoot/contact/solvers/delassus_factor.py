@@ -86,24 +86,29 @@ def sparse_factor(problem: ContactProblem, rows: BoolArray) -> Any:
     m = len(chosen)
     if m > MOST_ROWS:
         return None
-    G: Any = sp.csr_matrix(problem.operator)[chosen][:, chosen].tocsr()
+    b, contacts = problem.blocks, chosen[::3] // 3
+    number: Any = sp.csr_matrix((np.arange(b.columns.size), b.columns, b.starts))
+    number = number[contacts][:, contacts]
+    order = sp.csgraph.reverse_cuthill_mckee(number, symmetric_mode=True)
+    number = number[order][:, order]
     # light bodies and heavy ones count alike: the blocks of all contacts are made as large as one
-    trace = G.diagonal().reshape(-1, 3).sum(axis=1)
-    size = np.repeat(np.sqrt(np.where(trace > 0.0, trace, 1.0)), 3)
-    G.data /= np.repeat(size, np.diff(G.indptr)) * size[G.indices]
-    blocks: Any = sp.bsr_matrix(G, blocksize=(3, 3))
-    pattern = sp.csr_matrix((np.ones(blocks.indices.size), blocks.indices, blocks.indptr))
-    order = sp.csgraph.reverse_cuthill_mckee(pattern, symmetric_mode=True)
-    flat = (3 * order[:, None] + np.arange(3)).ravel()
-    R, pivots = G[flat][:, flat].toarray(), np.empty(m, dtype=np.int64)
+    row, blocks = np.repeat(np.arange(len(contacts)), np.diff(number.indptr)), b.values[number.data]
+    trace = np.trace(blocks[row == number.indices], axis1=1, axis2=2)
+    size = np.sqrt(np.where(trace > 0.0, trace, 1.0))
+    G: Any = sp.bsr_matrix(
+        (blocks / (size[row] * size[number.indices])[:, None, None], number.indices, number.indptr)
+    )
+    R, pivots = G.toarray(), np.empty(m, dtype=np.int64)
     count = _factorise(R, WINDOW, NOTHING, DROPPED, pivots)
     columns = R[pivots[:count]]
-    number, row = np.nonzero(columns)
-    Y: Any = sp.csr_matrix((columns[number, row], (flat[row], number)), shape=(m, count))
+    column, row = np.nonzero(columns)
+    Y: Any = sp.csr_matrix((columns[column, row], (row, column)), shape=(m, count))
     probe = np.random.default_rng(0).uniform(-1.0, 1.0, size=(m, 2))
     far = float(np.abs(Y @ (Y.T @ probe) - G @ probe).max(initial=0.0))
-    Y.data *= np.repeat(size, np.diff(Y.indptr))
-    return Y if far <= ROUNDING * np.sqrt(m) else None
+    if far > ROUNDING * np.sqrt(m):
+        return None
+    Y.data *= np.repeat(np.repeat(size, 3), np.diff(Y.indptr))
+    return Y[(3 * np.argsort(order)[:, None] + np.arange(3)).ravel()]
 
 
 def find_factor(

@@ -78,6 +78,8 @@ def where_few_bodies(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
     """Solve a problem whose contacts hold few bodies, a warm start (n, 3) as `solve_interior`; else None."""
+    if not few_bodies(problem):  # a factor takes longer to find than sweeps that solve most of them
+        return None
     return _solve(problem, settings, warm_start, BODIES)
 
 
