@@ -10,6 +10,10 @@ from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import inline_kernel, kernel
 from surefoot.contact.sets.contact import MOST_FRICTION
 
+DENSE_CONTACTS = 45
+"""Contacts up to which scales, velocities and residuals are those of a dense G, in one compiled call; of more
+the blocks are found once, and a look at all of G takes ten times as long as one at them."""
+
 
 @dataclass(frozen=True)
 class Blocks:
