@@ -12,11 +12,11 @@ import pytest
 from numba.core import event
 
 import surefoot as sf
-from benchmarks.problems.contacts import capsules, wall
+from benchmarks.problems.contacts import capsules, stack, wall
 from benchmarks.problems.heaps import rocks
 from surefoot.base.kernels import working_time
 from surefoot.contact.laws import LAWS
-from surefoot.contact.solvers import auto, on_blocks
+from surefoot.contact.solvers import auto, on_blocks, redundant_contacts
 from surefoot.contact.solvers import strategies as plans
 from surefoot.contact.solvers.solver import SolverSettings
 
@@ -66,6 +66,39 @@ def test_a_bridge_is_left_to_the_lightest_interior_point() -> None:
         found = sf.solve(sf.ContactProblem(problem.G, problem.g, problem.mu), tol=1e-8)
         assert found.solved
         assert found.iterations < 400
+
+
+def test_no_factor_is_looked_for_where_contacts_hold_many_bodies(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of towers with a heavy bottom it took a quarter of the solve, and was of too many columns."""
+    tower, low = (
+        stack(np.random.default_rng(1), 20, 0.6, 1e-3, 0.05),
+        wall(np.random.default_rng(1), 3, 4, 0.6, 1.0),
+    )
+    asked: list[int] = []
+    monkeypatch.setattr(redundant_contacts, "find_factor", lambda problem, *_: asked.append(problem.contacts))
+    for drawn in (tower, low):
+        problem = sf.ContactProblem(drawn.G, drawn.g, drawn.mu)
+        assert redundant_contacts.where_few_bodies(problem, SolverSettings(1e-8), None) is None
+    assert asked == [low.contacts]
+
+
+def test_sweeps_go_on_where_their_pace_ends_them_soon() -> None:
+    """A stack to 1e-2: 55 sweeps and steps of other methods took twice as long as 250 sweeps."""
+    drawn = stack(np.random.default_rng([0, 0, *b"stack-200"]), 50, 0.5, 1.0, 0.01)
+    problem = sf.ContactProblem(drawn.G, drawn.g, drawn.mu)
+    forces, asked = np.zeros(problem.g.size), []
+
+    def other(_: Any, most: int) -> int:
+        asked.append(most)
+        return 0
+
+    coarse, fine = SolverSettings(1e-2), SolverSettings(1e-6)
+    done, error, _ = on_blocks.alternate(problem, coarse, forces, other)
+    assert error <= 1e-2
+    assert done > on_blocks.STEP_WORTH
+    assert not asked
+    on_blocks.alternate(problem, fine, np.zeros(problem.g.size), other)
+    assert asked
 
 
 def test_a_wall_of_mixed_masses_is_left_to_the_interior_point() -> None:

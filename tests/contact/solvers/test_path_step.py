@@ -138,6 +138,30 @@ def test_another_path_is_followed_where_one_is_lost(monkeypatch: pytest.MonkeyPa
     assert len(set(shares[: interior_point.PATHS])) == min(len(shares), interior_point.PATHS)
 
 
+@pytest.mark.parametrize(("error", "most"), [(1e-6, len(IRRATIONAL)), (3e-8, 1)])
+def test_one_long_path_is_enough_where_it_ends_near_an_answer(
+    error: float, most: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of what is left at 3e-8, seven more paths and their ends leave as much."""
+    Y = np.random.default_rng(0).normal(size=(12, 9))
+    problem = ContactProblem(Y @ Y.T, -np.ones(12), 0.5)
+    active = np.ones(4, dtype=bool)
+    found = find_factor(problem, np.repeat(active, 3))
+    assert found is not None
+    path = CentralPath(problem, active, 1e-8, 9000, np.inf, *found)
+    ends: list[float] = []
+
+    def end(run: interior_point.InteriorRun, *_: Any) -> bool:
+        ends.append(run.path.error)
+        run.path.error = error
+        return False
+
+    monkeypatch.setattr(CentralPath, "follow_unequally", lambda *_: None)
+    monkeypatch.setattr(interior_point.InteriorRun, "_finish", end)
+    interior_point.InteriorRun(problem, active, path, 10).go_long()
+    assert len(ends) == most
+
+
 def test_steps_that_bring_no_smaller_gap_are_lost_after_a_while() -> None:
     path = Path(0, unequal=True)
     memory = StepMemory(ReducedSystem(path.rows, np.ones((N, 3)), find_structure(path.rows)), N)

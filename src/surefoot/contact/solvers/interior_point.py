@@ -167,10 +167,10 @@ class InteriorRun:
                 if path.over():
                     return False
                 path.follow_unequally(point, min(most, self.most_long), enough, PATIENCE)
-                point = path.points[-1][1]
+                point, last = path.points[-1][1], path.last
                 if path.error <= path.tol or self.end(first):
                     return True
-                if path.judge(path.last) > NEAR:
+                if path.judge(last) > NEAR:
                     break
         return False
 
@@ -207,11 +207,13 @@ class InteriorRun:
                 return
 
     def _polish(self, most: int = MOST_POLISH) -> bool:
-        """Polish the forces found last if they are near an answer; tell whether the problem is solved.
+        """Polish the forces found last, or the best where those are far; tell whether the problem is solved.
 
-        Others may be nearer, where a polish came to rest before.
+        Others than the last may be nearer, where a polish came to rest before.
         """
         path = self.path
+        if path.judge(path.last) > NEAR:  # programs with a held shift may run away
+            path.last = path.best
         return path.tol < path.judge(path.last) <= NEAR and self._finish(polish, most)
 
     def _finish(self, method: Method, most: int) -> bool:
