@@ -36,8 +36,8 @@ class MatrixLimits(NamedTuple):
     ----------
     above, most
         Shares: above the first, and up to the second.
-    work
-        Multiplications of a step's matrix, at most.
+    work, sparse_above
+        Multiplications of a step's matrix, at most, and those that a sparse one takes at least.
     any_sparse
         Whether sparse ones, and those of known bodies, may have any rank.
     dense
@@ -47,12 +47,15 @@ class MatrixLimits(NamedTuple):
     above: float = -1.0
     most: float = REDUNDANT
     work: float = math.inf
+    sparse_above: float = 0.0
     any_sparse: bool = False
     dense: bool = False
 
 
 REST = MatrixLimits(above=FEW_BODIES)
+HEAVIER = MatrixLimits(above=FEW_BODIES, sparse_above=LIGHTEST)
 BODIES = MatrixLimits(most=FEW_BODIES, work=LONG)
+LIGHT_AND_SPARSE = MatrixLimits(above=FEW_BODIES, work=LIGHTEST)
 KNOWN_OR_SPARSE = MatrixLimits(above=1.0, most=0.0, work=LONG, any_sparse=True)
 HEAVY = MatrixLimits(work=LONGEST, dense=True)
 EARLY = MatrixLimits(most=FEW_BODIES, work=LIGHT, any_sparse=True)
@@ -71,7 +74,7 @@ def where_redundant(
         return _solve(problem, settings, warm_start, MatrixLimits())
     if _likely_work(problem) <= LIGHTEST:
         return None
-    return _solve(problem, settings, warm_start, REST)
+    return _solve(problem, settings, warm_start, HEAVIER)
 
 
 def where_few_bodies(
@@ -130,9 +133,8 @@ def where_lightest(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
     """Solve a problem whose steps are lightest, a warm start (n, 3) as `solve_interior`; else None."""
-    if _likely_work(problem) > LIGHTEST:
-        return None
-    return _solve(problem, settings, warm_start, REST)
+    light = _likely_work(problem) <= LIGHTEST
+    return _solve(problem, settings, warm_start, REST if light else LIGHT_AND_SPARSE)
 
 
 def _likely_work(problem: ContactProblem) -> float:
@@ -163,7 +165,9 @@ def _find_matrix(problem: ContactProblem, limits: MatrixLimits) -> tuple[BoolArr
         return None
     factor, structure = found
     rows, rank = factor.shape
-    if (limits.dense and structure.sparse) or (rank > MOST_RANK and not structure.sparse):
+    if rank > MOST_RANK and not structure.sparse:
+        return None
+    if structure.sparse and (limits.dense or structure.work <= limits.sparse_above):
         return None
     free = limits.any_sparse and (structure.sparse or problem.factor is not None)
     if not (free or limits.above * rows < rank <= limits.most * rows):
