@@ -13,7 +13,7 @@ import numpy as np
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.problem.redundancy import few_bodies, in_a_row, likely_rank
-from surefoot.contact.solvers.delassus_factor import MOST_ROWS, find_factor
+from surefoot.contact.solvers.delassus_factor import MOST_ROWS, SPARSE_FROM, find_factor
 from surefoot.contact.solvers.interior_point import Extent, active_contacts, solve_factored
 from surefoot.contact.solvers.newton_step import FEW
 from surefoot.contact.solvers.reduced_structure import Structure
@@ -81,7 +81,8 @@ def where_few_bodies(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
     """Solve a problem whose contacts hold few bodies, a warm start (n, 3) as `solve_interior`; else None."""
-    if not few_bodies(problem):  # a factor takes longer to find than sweeps that solve most of them
+    # a sparse factor takes longer to find than sweeps that solve most where bodies are many
+    if problem.g.size >= SPARSE_FROM and not few_bodies(problem):
         return None
     return _solve(problem, settings, warm_start, BODIES)
 
