@@ -95,25 +95,6 @@ def test_a_tower_with_a_heavy_top_has_a_sparse_interior_point_early() -> None:
     assert redundant_contacts.where_redundant(problem, SolverSettings(1e-2), None) is None
 
 
-def test_sweeps_go_on_where_their_pace_ends_them_soon() -> None:
-    """A stack to 1e-2: 55 sweeps and steps of other methods took twice as long as 250 sweeps."""
-    drawn = stack(np.random.default_rng([0, 0, *b"stack-200"]), 50, 0.5, 1.0, 0.01)
-    problem = sf.ContactProblem(drawn.G, drawn.g, drawn.mu)
-    forces, asked = np.zeros(problem.g.size), []
-
-    def other(_: Any, most: int) -> int:
-        asked.append(most)
-        return 0
-
-    coarse, fine = SolverSettings(1e-2), SolverSettings(1e-6)
-    done, error, _ = on_blocks.alternate(problem, coarse, forces, other)
-    assert error <= 1e-2
-    assert done > on_blocks.STEP_WORTH
-    assert not asked
-    on_blocks.alternate(problem, fine, np.zeros(problem.g.size), other)
-    assert asked
-
-
 def test_a_wall_of_mixed_masses_is_left_to_the_interior_point() -> None:
     """Without it nobody comes below 1e-2 in seconds; its rank is guessed too large from G alone."""
     drawn = wall(np.random.default_rng([0, 0, *b"wall-mixed-250"]), 6, 6, 0.6, 1e6)

@@ -20,9 +20,8 @@ from surefoot.contact.solvers.newton_sparse import BlockNewton
 from surefoot.contact.solvers.scaled import ScaledContacts
 from surefoot.contact.solvers.solver import Answer, SolverSettings, start_forces
 
-CHUNK, STEP_WORTH, REST_WORTH, REST = 10, 50, 200, 10.0
-"""Sweeps on blocks between two looks at the gap; how many of them a Newton step is worth, and all that would
-come after them while the error is at most so many times the tolerance: over more, their pace tells little."""
+CHUNK, STEP_WORTH = 10, 50
+"""Sweeps on blocks between two looks at the gap, and how many of them a Newton step is worth."""
 HEAVY, FULL = 50_000, 500
 """Blocks above which a Newton step, with its factorisation on contacts, takes as long as many sweeps, and
 contacts up to which a full matrix is factorised soon enough however many blocks it has."""
@@ -98,9 +97,8 @@ def alternate(
     while error > tol and done < most and working_time() < newton.end:
         done += newton.sweep(forces, min(CHUNK, most - done))
         before, (_, error, far) = error, newton.measure(forces)
-        # linear convergence extrapolated: would the sweeps that are worth it reach the tolerance?
-        worth = REST_WORTH if error <= REST * tol else STEP_WORTH
-        if done > CHUNK and not tol > error * (error / before) ** (worth / CHUNK):
+        # linear convergence extrapolated: would the sweeps that a Newton step is worth reach the tolerance?
+        if done > CHUNK and not tol > error * (error / before) ** (STEP_WORTH / CHUNK):
             break
     if heavy(problem):
         return done, error, far
