@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from benchmarks.problems.contacts import pile
+from surefoot.contact.problem import problem as contact_problem
 from surefoot.contact.problem import scales
 
 
@@ -96,3 +98,15 @@ def test_what_changes_in_place_is_seen() -> None:
     problem.g[2] = -1e-9
     assert problem.scales[1, 0] == 1e-9
     assert sf.residuals(problem, np.zeros((1, 3))).velocity_error == pytest.approx(1.0)
+
+
+def test_scales_of_many_contacts_are_those_of_the_whole_matrix(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From blocks and from all of G: the same numbers, in one part and in two."""
+    drawn = pile(np.random.default_rng(3), 40, 150, 0.5, 1.0)
+    apart = np.kron(np.eye(2), drawn.G)
+    for G, g in ((drawn.G, drawn.g), (apart, np.append(drawn.g, 2.0 * drawn.g))):
+        many = sf.ContactProblem(G, g, 0.5)
+        from_blocks = many.scales
+        with monkeypatch.context() as at:
+            at.setattr(contact_problem, "DENSE_SCALES", 1000)
+            np.testing.assert_array_equal(many.scales, from_blocks)

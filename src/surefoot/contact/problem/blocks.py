@@ -10,9 +10,9 @@ from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import inline_kernel, kernel
 from surefoot.contact.sets.contact import MOST_FRICTION
 
-DENSE_CONTACTS = 45
-"""Contacts up to which scales, velocities and residuals are those of a dense G, in one compiled call; of more
-the blocks are found once, and a look at all of G takes ten times as long as one at them."""
+DENSE_SCALES = 128
+"""Contacts up to which scales are read from a dense G as it is, changes in place included; of more, which no
+compiled call takes, from its blocks: a look at all of G takes ten times as long as one at them."""
 
 
 @dataclass(frozen=True)

@@ -17,12 +17,13 @@ from numpy.typing import ArrayLike
 from surefoot.base.arrays import FloatArray, IntArray, numbers, of_kind
 from surefoot.base.errors import ProblemError
 from surefoot.base.kernels import inline_kernel, kernel
-from surefoot.contact.problem.blocks import DENSE_CONTACTS
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.problem.set_residuals import DOUBT, WEIGHTLESS, Numbers, set_certificate
 from surefoot.contact.sets.cone_projection import dissipation_limit, nearest
 from surefoot.contact.sets.contact import APPROACH
 
+SMALL = 45
+"""Number of contacts up to which velocities and residuals are computed in one compiled call."""
 SURE = 1e-13
 """A bound on the rounding below this need not be made sharp."""
 
@@ -102,7 +103,7 @@ def certificate(problem: ContactProblem, forces: FloatArray) -> tuple[FloatArray
     f = np.ascontiguousarray(forces, dtype=np.float64).reshape(-1)
     laws = problem.mu, problem.normal_min, problem.normal_max, problem.scales
     kind = problem.facets or 0, problem.fit == "inner", problem.law.shift == 1.0
-    if problem.contacts <= DENSE_CONTACTS:
+    if problem.contacts <= SMALL:
         velocities = np.empty(problem.g.size)
         return velocities.reshape(-1, 3), certify_dense(problem.G, problem.g, *laws, *kind, f, velocities)
     with np.errstate(invalid="ignore", over="ignore"):  # said by the numbers

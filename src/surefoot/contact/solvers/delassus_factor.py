@@ -105,7 +105,7 @@ def sparse_factor(problem: ContactProblem, rows: BoolArray) -> Any:
     Y: Any = sp.csr_matrix((columns[column, row], (row, column)), shape=(m, count))
     probe = np.random.default_rng(0).uniform(-1.0, 1.0, size=(m, 2))
     far = float(np.abs(Y @ (Y.T @ probe) - G @ probe).max(initial=0.0))
-    if far > ROUNDING * np.sqrt(m):
+    if not far <= ROUNDING * np.sqrt(m):
         return None
     Y.data *= np.repeat(np.repeat(size, 3), np.diff(Y.indptr))
     return Y[(3 * np.argsort(order)[:, None] + np.arange(3)).ravel()]
