@@ -22,6 +22,7 @@ from packaging.requirements import Requirement
 from packaging.specifiers import SpecifierSet
 
 import surefoot
+from tests.same_logs.revisions import DATA_ONLY
 
 ROOT = Path(__file__).parent.parent
 SETTINGS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
@@ -149,7 +150,7 @@ def test_links_become_absolute() -> None:
 def test_the_source_archive_builds_the_same_wheel(wheel: Path, tmp_path: Path) -> None:
     archive = build("sdist", tmp_path)
     with tarfile.open(archive) as packed:
-        packed.extractall(tmp_path, filter="data")
+        packed.extractall(tmp_path, **DATA_ONLY)
     source = archive.with_name(archive.name.removesuffix(".tar.gz"))
     assert {"Makefile", "constraints.txt", "LICENSE", "tests", "docs", "benchmarks"} <= {
         p.name for p in source.iterdir()
