@@ -108,5 +108,5 @@ def test_scales_of_many_contacts_are_those_of_the_whole_matrix(monkeypatch: pyte
         many = sf.ContactProblem(G, g, 0.5)
         from_blocks = many.scales
         with monkeypatch.context() as at:
-            at.setattr(contact_problem, "DENSE_SCALES", 1000)
+            at.setattr(contact_problem, "MOST_DENSE", 1000)
             np.testing.assert_array_equal(many.scales, from_blocks)

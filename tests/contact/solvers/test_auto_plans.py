@@ -70,10 +70,8 @@ def test_a_bridge_is_left_to_the_lightest_interior_point() -> None:
 
 def test_no_factor_is_looked_for_where_contacts_hold_many_bodies(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of towers with a heavy bottom it took a quarter of the solve, and was of too many columns."""
-    tower, low = (
-        stack(np.random.default_rng(1), 20, 0.6, 1e-3, 0.05),
-        wall(np.random.default_rng(1), 3, 4, 0.6, 1.0),
-    )
+    tower = stack(np.random.default_rng(1), 20, 0.6, 1e-3, 0.05)
+    low = wall(np.random.default_rng(1), 3, 4, 0.6, 1.0)
     asked: list[int] = []
     monkeypatch.setattr(redundant_contacts, "find_factor", lambda problem, *_: asked.append(problem.contacts))
     for drawn in (tower, low):

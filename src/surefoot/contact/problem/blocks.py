@@ -10,9 +10,9 @@ from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import inline_kernel, kernel
 from surefoot.contact.sets.contact import MOST_FRICTION
 
-DENSE_SCALES = 128
-"""Contacts up to which scales are read from a dense G as it is, changes in place included; of more, which no
-compiled call takes, from its blocks: a look at all of G takes ten times as long as one at them."""
+MOST_DENSE = 128
+"""Contacts up to which a dense G is taken as it lies in memory, changes in place included: by scales and the
+compiled call. Of more its blocks are: a look at all of G takes ten times as long as one at them."""
 
 
 @dataclass(frozen=True)

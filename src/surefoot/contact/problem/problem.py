@@ -23,7 +23,7 @@ from surefoot.base.drawn import Drawn
 from surefoot.base.errors import ProblemError, count_of
 from surefoot.contact.cones import FrictionPyramid
 from surefoot.contact.laws import COULOMB, LAWS, Law, law_of
-from surefoot.contact.problem.blocks import DENSE_SCALES, Blocks, dense_blocks, vectors_fit
+from surefoot.contact.problem.blocks import MOST_DENSE, Blocks, dense_blocks, vectors_fit
 from surefoot.contact.problem.matrix import (
     checked_sparse,
     read_compliance,
@@ -391,7 +391,7 @@ class ContactProblem(Drawn):
         scales = np.zeros((4, self.contacts))
         if self.contacts == 0:
             return scales
-        if self._dense is not None and self.contacts <= DENSE_SCALES:
+        if self._dense is not None and self.contacts <= MOST_DENSE:
             scales_dense(self.G, self.g, self.normal_min, self.normal_max, scales)
         else:
             b = self.blocks

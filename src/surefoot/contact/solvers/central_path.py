@@ -231,7 +231,3 @@ class CentralPath:
             if after is None:
                 break
             point = after
-
-    def _over(self) -> bool:
-        """Tell whether iterations or time are spent."""
-        return self.done >= self.most or working_time() > self.end

@@ -24,7 +24,7 @@ from surefoot.base.kernels import (
     kernel,
     window,
 )
-from surefoot.contact.problem.blocks import checked_copy
+from surefoot.contact.problem.blocks import MOST_DENSE, checked_copy
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.problem.redundancy import few_bodies
 from surefoot.contact.problem.residuals import certify_dense
@@ -34,7 +34,7 @@ from surefoot.contact.solvers.nsgs import fill_dense
 from surefoot.contact.solvers.one_contact import WIDTH
 from surefoot.contact.solvers.stopping import settle
 
-COMPILED_CONTACTS = 128
+COMPILED_CONTACTS = MOST_DENSE
 """Contacts up to which a dense compiled call pays: of 100 to 120 it takes half the time of sweeps and Newton
 steps on blocks, of 200 more than they do."""
 CONVEX_CALL, WARM, SOON, FIRST, LATER = 1, 2, 4, 8, 16

@@ -111,6 +111,11 @@ def sparse_factor(problem: ContactProblem, rows: BoolArray) -> Any:
     return Y[(3 * np.argsort(order)[:, None] + np.arange(3)).ravel()]
 
 
+def likely_work(problem: ContactProblem) -> float:
+    """Return the multiplications of a step's matrix where it is dense, as far as `likely_rank` knows."""
+    return float(problem.g.size * likely_rank(problem) ** 2)
+
+
 def find_factor(
     problem: ContactProblem, rows: BoolArray, most: float = math.inf
 ) -> tuple[Any, Structure] | None:
@@ -126,7 +131,7 @@ def find_factor(
     structure = None if factor is None else find_structure(factor)
     # of what is not sparse the pivots of a dense one leave less rounding
     if structure is None or not (known or structure.sparse):
-        if problem.g.size * likely_rank(problem) ** 2 > most:
+        if likely_work(problem) > most:
             return None
         G = problem.G if rows.all() else problem.G[np.ix_(rows, rows)]
         lower, order, rank, _ = scipy.linalg.lapack.dpstrf(G, lower=1)

@@ -212,9 +212,10 @@ class InteriorRun:
         Others than the last may be nearer, where a polish came to rest before.
         """
         path = self.path
-        if path.judge(path.last) > NEAR:  # programs with a held shift may run away
-            path.last = path.best
-        return path.tol < path.judge(path.last) <= NEAR and self._finish(polish, most)
+        error = path.judge(path.last)
+        if error > NEAR:  # programs with a held shift may run away
+            path.last, error = path.best, path.error
+        return path.tol < error <= NEAR and self._finish(polish, most)
 
     def _finish(self, method: Method, most: int) -> bool:
         """Go on from the forces found last by another method; tell whether the problem is solved."""

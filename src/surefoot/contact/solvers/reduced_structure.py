@@ -75,8 +75,8 @@ def find_structure(factor: Any) -> Structure:
     count = int(where.max(initial=-1)) // SIZE + 1
     if not 0 < count <= MOST_BLOCKS:
         return dense
-    moved = list_blocks(starts, where[factor.indices] // SIZE)
-    meet = meeting_blocks(moved, count)
+    moved = _list_blocks(starts, where[factor.indices] // SIZE)
+    meet = _find_meeting(moved, count)
     order = least_degree(meet)
     elimination = find_elimination(meet[order][:, order], WORTH * dense.work / PRODUCT)
     if elimination is None:
@@ -94,7 +94,7 @@ def find_structure(factor: Any) -> Structure:
 
 
 @kernel
-def list_blocks(starts: IntArray, blocks: IntArray) -> IntArray:
+def _list_blocks(starts: IntArray, blocks: IntArray) -> IntArray:
     """Return the blocks that each contact moves (n, widest), filled up with -1.
 
     Each contact's entries begin at `starts` (n + 1,) among the blocks (nnz,) of all; some come twice.
@@ -113,7 +113,7 @@ def list_blocks(starts: IntArray, blocks: IntArray) -> IntArray:
 
 
 @kernel
-def meeting_blocks(moved: IntArray, count: int) -> BoolArray:
+def _find_meeting(moved: IntArray, count: int) -> BoolArray:
     """Return which of so many blocks (B, B) any contact moves together, of what each moves (n, widest)."""
     meet = np.zeros((count, count), dtype=np.bool_)
     for k in range(len(moved)):

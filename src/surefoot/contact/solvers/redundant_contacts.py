@@ -12,8 +12,8 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.contact.problem.problem import ContactProblem
-from surefoot.contact.problem.redundancy import few_bodies, in_a_row, likely_rank
-from surefoot.contact.solvers.delassus_factor import MOST_ROWS, SPARSE_FROM, find_factor
+from surefoot.contact.problem.redundancy import few_bodies, in_a_row
+from surefoot.contact.solvers.delassus_factor import MOST_ROWS, SPARSE_FROM, find_factor, likely_work
 from surefoot.contact.solvers.interior_point import Extent, active_contacts, solve_factored
 from surefoot.contact.solvers.newton_step import FEW
 from surefoot.contact.solvers.reduced_structure import Structure
@@ -72,7 +72,7 @@ def where_redundant(
     """
     if problem.contacts <= FEW:
         return _solve(problem, settings, warm_start, MatrixLimits())
-    if _likely_work(problem) <= LIGHTEST:
+    if likely_work(problem) <= LIGHTEST:
         return None
     return _solve(problem, settings, warm_start, HEAVIER)
 
@@ -102,7 +102,7 @@ def where_dense(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
     """Solve a problem whose matrix is dense and heavy, a warm start (n, 3) as `solve_interior`; else None."""
-    if problem.factor is not None or _likely_work(problem) <= LIGHT:
+    if problem.factor is not None or likely_work(problem) <= LIGHT:
         return None
     return _solve(problem, settings, warm_start, HEAVY)
 
@@ -134,13 +134,8 @@ def where_lightest(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer | None:
     """Solve a problem whose steps are lightest, a warm start (n, 3) as `solve_interior`; else None."""
-    light = _likely_work(problem) <= LIGHTEST
+    light = likely_work(problem) <= LIGHTEST
     return _solve(problem, settings, warm_start, REST if light else LIGHT_AND_SPARSE)
-
-
-def _likely_work(problem: ContactProblem) -> float:
-    """Return what a step's matrix takes where it is dense, as far as `likely_rank` knows."""
-    return float(problem.g.size * likely_rank(problem) ** 2)
 
 
 def _solve(
