@@ -52,20 +52,33 @@ def shown(package: str) -> dict[str, str]:
     return {name: f"{package}.{module}" for module, name in lines}
 
 
+@cache
+def from_imports() -> dict[str, list[tuple[str, str, str]]]:
+    """Return (module, name, name it has here) of what each module imports from modules of the package."""
+    return {
+        name: [
+            (node.module or "", alias.name, alias.asname or alias.name)
+            for node in ast.walk(tree)
+            if isinstance(node, ast.ImportFrom) and node.module in modules()
+            for alias in node.names
+        ]
+        for name, tree in modules().items()
+    }
+
+
 def target(module: str, name: str) -> str:
     """Return the module that `from module import name` needs: through faces, and packages that hand on."""
     if f"{module}.{name}" in modules():
         return f"{module}.{name}"
     if name in shown(module):
         return target(shown(module)[name], name)
-    for node in ast.walk(modules()[module]):
-        if isinstance(node, ast.ImportFrom) and node.module in modules() and node.module != module:
-            for alias in node.names:
-                if (alias.asname or alias.name) == name and _is_package(module):
-                    return target(node.module or "", alias.name)
+    for source, taken, own in from_imports()[module] if _is_package(module) else ():
+        if source != module and own == name:
+            return target(source, taken)
     return module
 
 
+@cache
 def _is_package(module: str) -> bool:
     return SOURCE.joinpath(*module.split(".")[1:], "__init__.py").is_file()
 
@@ -73,12 +86,10 @@ def _is_package(module: str) -> bool:
 @cache
 def imports() -> frozenset[Import]:
     """Return every import within the package, each name followed to its home."""
-    out = set[Import]()
-    for name, tree in modules().items():
-        for node in ast.walk(tree):
-            if not isinstance(node, ast.ImportFrom) or node.module not in modules():
-                continue
-            out |= {(name, target(node.module, alias.name)) for alias in node.names}
+    out = {
+        (name, target(source, taken)) for name, taken_from in from_imports().items()
+        for source, taken, _ in taken_from
+    }  # fmt: skip
     return frozenset(one for one in out if one[0] != one[1])
 
 

@@ -109,8 +109,8 @@ def test_a_time_limit_is_a_number_of_seconds(
 
 def test_what_hangs_is_ended(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     start = time.monotonic()
-    assert grade("52.1.1", "while True: pass\n", tmp_path, "--time-limit", "3") == 2
-    assert "no answer within 3 s" in capfd.readouterr().err
+    assert grade("52.1.1", "while True: pass\n", tmp_path, "--time-limit", "1") == 2
+    assert "no answer within 1 s" in capfd.readouterr().err
     hangs = solution_text("52.1.1").replace(
         "    return float(np.tan", "    while True: pass\n    return float(np.tan"
     )

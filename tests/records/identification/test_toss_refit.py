@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from benchmarks.problems.tosses import random_tosses
 from surefoot.records.identification.identify import begin_fit, identify
@@ -20,6 +21,7 @@ def test_the_wider_draws_are_kept_whatever_their_order() -> None:
     assert wider_draws(narrow, wide) is wide
 
 
+@pytest.mark.long
 def test_intervals_of_the_body_do_not_shrink_with_a_law() -> None:
     """Half of the intervals of the scale did not hold it."""
     recorded, model = random_tosses(8, [0.18, 0.15, 0.0026], seed=3), ThrownModel()

@@ -12,6 +12,7 @@ from surefoot.worlds.running.run import Ice, Push
 from tests.worlds.running.walks import walk
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("velocity", [(1.0, 0.0, 0.0), (0.0, 0.3, 0.0), (0.0, 0.0, 0.8)])
 def test_a_trot_follows_its_command_inside_the_cones(velocity: tuple[float, float, float]) -> None:
     log, summary = walk(velocity, 5.0)
