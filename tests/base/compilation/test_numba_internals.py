@@ -35,8 +35,12 @@ from surefoot.base.compilation.uncounted import borrowed, keep, window
 def twice(x):
     return 2.0 * x
 
-def small(x):
+@compiled
+def plus(x):
     return x + 1.0
+
+def small(x):
+    return plus(x)
 
 small = compiled(small, folded=True)
 
@@ -124,6 +128,22 @@ def test_a_tree_is_compiled_once_and_its_parts_are_only_translated(top: Any) -> 
     assert isinstance(linked.library, numba_internals.Part), TO_DO
     assert linked.library.get_pointer_to_function("any") == 0
     assert not top["twice"].overloads, TO_DO
+
+
+def test_what_a_folded_kernel_calls_is_not_folded_with_it(top: Any) -> None:
+    """Numba hands the option on: a tree below a folded kernel became one function that took LLVM a minute."""
+    top["top"](np.arange(9.0))
+    folded, called = (
+        [
+            line
+            for line in part.library.get_llvm_str().splitlines()
+            if line.startswith(("define", "attributes"))
+        ]
+        for name in ("small", "plus")
+        for part in top[name]._part.overloads.values()
+    )
+    assert any("alwaysinline" in line for line in folded)
+    assert not any("alwaysinline" in line for line in called)
 
 
 def test_arrays_are_lent_uncounted(top: Any) -> None:

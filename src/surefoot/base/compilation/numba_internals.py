@@ -348,11 +348,12 @@ def compiled(function: Any, releasing: bool = False, folded: bool = False) -> An
     Relied upon: options that Numba's manual does not have, `no_cfunc_wrapper` (no second way in, from C) and
     `forceinline` (LLVM's alwaysinline).
     """
-    options: dict[str, Any] = {"nopython": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+    # said of every kernel: what is left open is as in the first caller that happens to ask for it
+    options: dict[str, Any] = {
+        "nopython": True, "error_model": "numpy", "no_cfunc_wrapper": True, "forceinline": folded,
+    }  # fmt: skip
     if releasing:
         options["nogil"] = True
-    if folded:
-        options["forceinline"] = True
     return Kernel(function, {}, options)
 
 

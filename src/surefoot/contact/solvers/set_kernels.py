@@ -131,7 +131,7 @@ def _height(group: IntArray, start: int, end: int, row: FloatArray, x: FloatArra
     return float(min(max(s, row[LOW], 0.0), row[HIGH]))
 
 
-@kernel
+@inline_kernel
 def project_sets(
     offset: IntArray, group: IntArray, table: FloatArray, x: FloatArray, out: FloatArray
 ) -> None:
@@ -163,7 +163,7 @@ def project_sets(
                     out[i] = x[i] * (limit / row[NORM + b]) if row[NORM + b] > limit else x[i]
 
 
-@kernel
+@inline_kernel
 def add_shift(
     offset: IntArray, group: IntArray, table: FloatArray, u: FloatArray, sense: float, out: FloatArray
 ) -> None:
