@@ -38,6 +38,7 @@ SHELLS = ("", "bash", "sh", "console")
 SPAN = re.compile(r"`surefoot ([^`]*)`")
 ROW = re.compile(r"`([^`]+)`")
 EXIT_CODE = re.compile(r"exit code (\d+)")
+load_once = cache(load)  # a group of twenty commands takes 50 ms, and pages show hundreds
 
 
 @dataclass(frozen=True)
@@ -104,15 +105,9 @@ def wrong_commands(page: Path) -> list[str]:
     return out
 
 
-@cache
-def _load(name: str) -> Any:
-    """Return a command, built once: a group of twenty takes 50 ms, and pages show hundreds of commands."""
-    return load(name)
-
-
 def parse(words: list[str]) -> str | None:
     """Return why a command line does not parse, or None."""
-    command: Any = SimpleNamespace(commands={name: _load(name) for name in COMMANDS if name in words[:1]})
+    command: Any = SimpleNamespace(commands={name: load_once(name) for name in COMMANDS if name in words[:1]})
     while hasattr(command, "commands"):
         if not words or words[0] not in command.commands:
             return None if words == ["--help"] else f"no such command {' '.join(words[:1])}"

@@ -348,7 +348,7 @@ def compiled(function: Any, releasing: bool = False, folded: bool = False) -> An
     Relied upon: options that Numba's manual does not have, `no_cfunc_wrapper` (no second way in, from C) and
     `forceinline` (LLVM's alwaysinline).
     """
-    # said of every kernel: what is left open is as in the first caller that happens to ask for it
+    # Numba hands a `forceinline` that is not said on from the first caller: it is said of every kernel
     options: dict[str, Any] = {
         "nopython": True, "error_model": "numpy", "no_cfunc_wrapper": True, "forceinline": folded,
     }  # fmt: skip
