@@ -98,6 +98,23 @@ def test_a_lopsided_jointed_bodys_flight_is_the_same(name: str, tmp_path: Path) 
     assert turned.magnitude().max() < 0.02
 
 
+def test_a_hinge_that_gives_bends_alike_in_mujoco(tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    path = tmp_path / "elbow.urdf"
+    path.write_text(ELBOW)
+    start = [0.1, 0.2, 3.0, 0.0, 0.0, 0.0, 1.0, 0.4, 0.5, -0.2, 0.3, 8.0, -3.0, 9.0, 4.0]
+    poses = {}
+    for compliance in (0.0, 3.0):
+        given = scene(start, frames=30, body=thrown_body(path).at({"compliance_hinge": compliance}))
+        poses[compliance] = ThrownModel(steps=40).rollout(np.array([0.2, 0.0, 0.0]), given)
+        theirs = MujocoBody().rollout(np.array(STIFF["mujoco"]), given)
+        assert theirs.shape == poses[compliance].shape
+        turned = Rotation.from_quat(theirs[:, 3:7]) * Rotation.from_quat(poses[compliance][:, 3:7]).inv()
+        assert turned.magnitude().max() < 0.02
+    bent = Rotation.from_quat(poses[3.0][:, 3:7]) * Rotation.from_quat(poses[0.0][:, 3:7]).inv()
+    assert bent.magnitude().max() > 0.1, "what is compared is not small"
+
+
 @pytest.mark.parametrize("slope", [0.0, 0.1])
 @pytest.mark.parametrize("name", RIVALS)
 def test_a_flat_slide_is_the_same(name: str, slope: float) -> None:

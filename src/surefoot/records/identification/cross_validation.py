@@ -66,16 +66,6 @@ class KeptLaws(Protocol):
         """Keep a law."""
 
 
-class NothingKept:
-    """Keeps no law."""
-
-    def read(self, model: TossModel) -> JudgedLaw | None:
-        """Return None."""
-
-    def write(self, model: TossModel, judged: JudgedLaw) -> None:
-        """Do nothing."""
-
-
 def cross_validate(
     tosses: Tosses,
     models: Sequence[TossModel],
@@ -143,20 +133,20 @@ def judge_fold(
     dict
         What was judged, law by law.
     """
-    kept = kept or NothingKept()
     number = np.arange(len(tosses)) % folds
     rest, own = (tosses.subset(np.flatnonzero(mask)) for mask in (number != fold, number == fold))
     found: BodyFit | None = None
     out: dict[str, JudgedLaw] = {}
     for model in models:
-        judged = kept.read(model)
+        judged = kept.read(model) if kept else None
         if judged is None:
             if found is None and out:
                 found = begin_fit(rest, models[0], **settings).at(out[models[0].name].numbers)
             one = fit(rest, model, test=own, found=found, **settings)
             values = {name: estimate.value for name, estimate in one.parameters.items()}
             judged = JudgedLaw(cast(TossErrors, one.test), values, one.found.numbers)
-            kept.write(model, judged)
+            if kept:
+                kept.write(model, judged)
             found = found or one.found
         out[model.name] = judged
     return out

@@ -268,7 +268,7 @@ class _BodySearch:
     def falls(self, draws: FloatArray, notes: list[str]) -> float:
         """Find gravity and centres of mass in free flight; return gravity [m/s²]."""
         gravity = TossParameter("gravity", GRAVITY, 0.05, 0.5 * GRAVITY, 2.0 * GRAVITY, "m/s²")
-        in_flight = ("com", "friction", "damping")
+        in_flight = ("com_", "friction", "damping")
         own = [p for p in self._body.parameters if p.name.startswith(in_flight)]
         self._fit((gravity, *own), None, draws)
         found = self.estimates["gravity"]

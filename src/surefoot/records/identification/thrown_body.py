@@ -2,7 +2,7 @@
 
 Of each link the centre of mass and the spread of its mass along each axis are fitted, the square roots of the
 diagonal of Σ = ½ tr(I) 1 - I, over the mass. Stretching a distribution of mass leaves one: whatever is found,
-the pseudo-inertia [1]_ stays positive definite. Contacts tell ratios of masses alone.
+the pseudo-inertia [1]_ stays positive definite. Contacts tell ratios of masses alone. Hinges may give.
 
 References
 ----------
@@ -21,11 +21,15 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
+from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Box, Robot, Solid, fitted, load_robot
+from surefoot.records.identification.thrown_body_bending import BentBody, bend
 from surefoot.records.identification.thrown_body_tree import FallingBody
 from surefoot.records.identification.tosses import Cube
 
 AXES = "xyz"
+SOFTEST = 0.1
+"""Turn across a hinge under the body's own weight that is tried at most [rad]."""
 
 
 @dataclass(frozen=True)
@@ -56,11 +60,14 @@ class ThrownBody:
         Names of the joints.
     scale
         What the shapes' lengths are multiplied by.
+    compliance
+        (n,) of the hinge that each link hangs on, across its axis [rad/(N m)], see `thrown_body_bending`.
     """
 
     tree: FallingBody
     inward: FloatArray
     solids: tuple[Solid, ...]
+    compliance: FloatArray
     joints: tuple[str, ...] = ()
     scale: float = 1.0
 
@@ -80,6 +87,10 @@ class ThrownBody:
         points, radii = self.tree.points + radius * self.inward, self.tree.radii + radius * sharp
         return self.tree._replace(points=points, radii=radii)
 
+    def bent(self, radius: float = 0.0) -> BentBody:
+        """Return the links with edges rounded to a radius [m], and hinges that give."""
+        return bend(self.rounded(radius), self.compliance)
+
     @property
     def parameters(self) -> tuple[TossParameter, ...]:
         """What can be fitted of it; the first link is called after nothing, others after their joints."""
@@ -96,6 +107,11 @@ class ThrownBody:
                 out.append(TossParameter(f"mass{end}", m, 0.02 * m, 0.2 * m, 5.0 * m, "kg"))
                 out.append(TossParameter(f"friction{end}", 0.0, 5e-4, 0.0, 1.0, "N m"))
                 out.append(TossParameter(f"damping{end}", 0.0, 5e-5, 0.0, 1.0, "N m s"))
+            if i > 0 and not tree.sliding[i]:
+                # in turns under the body's own weight at the end of an arm as long as it is wide
+                turn = 1.0 / (GRAVITY * self.width * float(tree.masses.sum()))
+                ends = 0.0, SOFTEST * turn
+                out.append(TossParameter(f"compliance{end}", 0.0, 5e-4 * turn, *ends, "rad/(N m)"))
         return tuple(out)
 
     def at(self, values: Mapping[str, float]) -> ThrownBody:
@@ -103,6 +119,7 @@ class ThrownBody:
         tree, scale = self.tree, values.get("scale", 1.0)
         centres, inertias = tree.centres.copy(), tree.inertias.copy()
         masses, friction, damping = tree.masses.copy(), tree.friction.copy(), tree.damping.copy()
+        compliance = self.compliance.copy()
         for i, end in enumerate(self._ends):
             spreads, sigma = _spreads(tree, i)
             wanted = [values.get(f"spread_{a}{end}", s) for a, s in zip(AXES, spreads, strict=True)]
@@ -113,11 +130,12 @@ class ThrownBody:
             centres[i] = [values.get(f"com_{a}{end}", c) for a, c in zip(AXES, centres[i], strict=True)]
             friction[i] = values.get(f"friction{end}", friction[i])
             damping[i] = values.get(f"damping{end}", damping[i])
+            compliance[i] = values.get(f"compliance{end}", compliance[i])
         tree = tree._replace(
             points=scale * tree.points, radii=scale * tree.radii, places=scale * tree.places, masses=masses,
             centres=centres, inertias=inertias, friction=friction, damping=damping,
         )  # fmt: skip
-        return replace(self, tree=tree, scale=scale)
+        return replace(self, tree=tree, scale=scale, compliance=compliance)
 
     @property
     def _ends(self) -> tuple[str, ...]:
@@ -138,8 +156,8 @@ def cube_body(cube: Cube) -> ThrownBody:
     edge = cube.width
     return _body((Solid("cube", Box((edge, edge, edge)), 1),), FallingBody(
         np.array([-1]), np.eye(3)[None].copy(), np.zeros((1, 3)), np.zeros((1, 3)), np.zeros(1, dtype=bool),
-        np.array([cube.mass]), np.zeros((1, 3)), cube.inertia * np.eye(3)[None], np.zeros(1), np.zeros(1),
-        np.zeros(0, dtype=np.int64), np.zeros((0, 3)), np.zeros(0),
+        np.array([cube.mass]), np.zeros((1, 3)), cube.inertia * np.eye(3)[None], np.zeros(1),
+        np.zeros(1), np.zeros(1), np.zeros(0, dtype=np.int64), np.zeros((0, 3)), np.zeros(0),
     ), {})  # fmt: skip
 
 
@@ -185,7 +203,7 @@ def thrown_body(model: Robot | str | Path) -> ThrownBody:
     return _body(tuple(solids), FallingBody(
         parents, turns, places, axes, sliding, np.array([m.mass for m in inertias]),
         np.array([m.lever for m in inertias]), np.array([m.inertia for m in inertias]), np.zeros(count),
-        np.zeros(count), np.zeros(0, dtype=np.int64), np.zeros((0, 3)), np.zeros(0),
+        np.zeros(count), np.zeros(count), np.zeros(0, dtype=np.int64), np.zeros((0, 3)), np.zeros(0),
     ), hulls, tuple(list(robot.model.names)[2:]))  # fmt: skip
 
 
@@ -229,4 +247,4 @@ def _body(
     tree = tree._replace(
         links=np.concatenate(links), points=np.concatenate(points), radii=np.concatenate(radii)
     )
-    return ThrownBody(tree, np.concatenate(inward), solids, joints)
+    return ThrownBody(tree, np.concatenate(inward), solids, np.zeros(tree.masses.size), joints)

@@ -55,7 +55,7 @@ def _free(body: FallingBody, at: Placed, v: FloatArray, t: float, out: FloatArra
     for r in range(v.size):
         out[r] = v[r] + t * out[r]
     for i in range(1, body.masses.size):
-        if body.friction[i] > 0.0 or body.damping[i] > 0.0:
+        if body.stiffness[i] == 0.0 and (body.friction[i] > 0.0 or body.damping[i] > 0.0):
             # M⁻¹ e_i: what a unit impulse on joint i does to all velocities. Dry friction is the impulse that
             # would stop the joint, at most t times its torque; damping is that of backward Euler, r = r₀ / (1
             # + t d M⁻¹_ii), on what is left. Both are stable for any t; a joint's effect on another one's
@@ -115,14 +115,14 @@ def _arrival(body: FallingBody, at: Placed, v: FloatArray, drop: float, t: float
 @inline_kernel
 def _fly(
     body: FallingBody, at: Placed, gravity: FloatArray, q: FloatArray, v: FloatArray, t: float,
-    middle: FloatArray, after: FloatArray,
+    step: float, middle: FloatArray, after: FloatArray,
 ) -> None:  # fmt: skip
-    """Move q and v by a time t without contacts, by the midpoint rule."""
+    """Move q and v by a time t of a step without contacts, by the midpoint rule."""
     _free(body, at, v, 0.5 * t, after)
     middle[:] = q
     move(middle, v, 0.5 * t)
     place(body, middle, at)
-    dynamics(body, at, after, gravity)
+    dynamics(body, at, middle, after, gravity, step)
     move(q, after, t)
     _free(body, at, v, t, after)
     v[:] = after
@@ -141,7 +141,7 @@ def step(
     for number in range(ARRIVALS):
         place(body, q, at)
         place_spheres(body, at)
-        dynamics(body, at, v, gravity)
+        dynamics(body, at, q, v, gravity, dt)
         count = 0
         for k in range(at.gaps.size):
             # Open spheres take no part: the piece ends where the first of them arrives.
@@ -152,7 +152,7 @@ def step(
         if count == 0:
             if number < ARRIVALS - 1:
                 t = _arrival(body, at, v, -gravity[2], left)
-            _fly(body, at, gravity, q, v, t, middle, after)
+            _fly(body, at, gravity, q, v, t, dt, middle, after)
         else:
             J = np.empty((3 * count, v.size))
             for i in range(count):

@@ -26,8 +26,9 @@ class FallingBody(NamedTuple):
         (n, 3) of each joint, and (n,) whether it slides along it.
     masses, centres, inertias
         (n,) [kg], (n, 3) [m] and (n, 3, 3) about the centre of mass [kg m²], in the link's axes.
-    friction, damping
-        (n,) of each joint [N m], [N m s].
+    friction, damping, stiffness
+        (n,) of each joint [N m], [N m s], and of a spring that holds it at zero [N m/rad]: what a spring
+        holds has no dry friction.
     links, points, radii
         (k,) link, (k, 3) place in its axes and (k,) radius of each sphere [m].
     """
@@ -42,6 +43,7 @@ class FallingBody(NamedTuple):
     inertias: FloatArray
     friction: FloatArray
     damping: FloatArray
+    stiffness: FloatArray
     links: IntArray
     points: FloatArray
     radii: FloatArray
@@ -92,8 +94,8 @@ def borrow_body(body: FallingBody) -> FallingBody:
     return FallingBody(
         borrowed(body.parents), borrowed(body.turns), borrowed(body.places), borrowed(body.axes),
         borrowed(body.sliding), borrowed(body.masses), borrowed(body.centres), borrowed(body.inertias),
-        borrowed(body.friction), borrowed(body.damping), borrowed(body.links), borrowed(body.points),
-        borrowed(body.radii),
+        borrowed(body.friction), borrowed(body.damping), borrowed(body.stiffness), borrowed(body.links),
+        borrowed(body.points), borrowed(body.radii),
     )  # fmt: skip
 
 
@@ -314,8 +316,14 @@ def _add_pair(at: Placed, m: float, i: int, j: int) -> None:
 
 
 @inline_kernel
-def dynamics(body: FallingBody, at: Placed, v: FloatArray, gravity: FloatArray) -> None:
-    """Fill the Cholesky factor of M and the forces f (nv,) under gravity (3,) at v (nv,)."""
+def dynamics(
+    body: FallingBody, at: Placed, q: FloatArray, v: FloatArray, gravity: FloatArray, step: float
+) -> None:
+    """Fill the Cholesky factor of M and the forces f (nv,) under gravity (3,) at q (7 + joints,) and v (nv,).
+
+    Springs and their dampers are those of backward Euler over a step [s]: they add to M what they resist, so
+    that an impact meets the stiff ones as it would meet no joint, whatever their stiffness.
+    """
     at.M[:], at.f[:] = 0.0, 0.0
     at.alpha[0], at.acc[0] = 0.0, 0.0
     link_velocities(body, at, v)
@@ -323,6 +331,8 @@ def dynamics(body: FallingBody, at: Placed, v: FloatArray, gravity: FloatArray) 
         if link > 0:
             _accelerations(body, at, v, link)
         m, i = body.masses[link], link
+        if m == 0.0:  # it carries axes only
+            continue
         _link_forces(body, at, gravity, link)
         _add_free(at, m)
         while i > 0:
@@ -335,6 +345,11 @@ def dynamics(body: FallingBody, at: Placed, v: FloatArray, gravity: FloatArray) 
                 _add_pair(at, m, i, j)
                 j = body.parents[j]
             i = body.parents[i]
+    for i in range(1, body.masses.size):
+        spring, damping, r = body.stiffness[i], body.damping[i], 5 + i
+        if spring > 0.0:
+            at.M[r, r] += step * (damping + step * spring)
+            at.f[r] -= spring * (q[6 + i] + step * v[r]) + damping * v[r]
     if not cholesky(at.M):  # a state that went too far: lost, and seen to be
         at.M[:] = np.nan
 

@@ -130,18 +130,19 @@ class ThrownModel:
                 rounding = float(value)
             else:
                 law[slot] = value
-        tree = scene.body.rounded(rounding)
+        body = scene.body.bent(rounding)
         gravity, starts = in_plane(scene)
+        starts = body.widen(starts)
         frames, ends = scene.frames, np.append(0, np.cumsum(scene.frames))
-        poses = np.empty((int(ends[-1]), 6 + tree.masses.size))
+        poses = np.empty((int(ends[-1]), 6 + body.tree.masses.size))
         steps = self.steps or max(1, math.ceil(scene.dt / LONGEST_STEP - 1e-9))
 
         def work(a: int, b: int) -> None:
             own = poses[ends[a] : ends[b]]
-            throw(tree, law, gravity, starts[a:b], frames[a:b], scene.dt, steps, own)
+            throw(body.tree, law, gravity, starts[a:b], frames[a:b], scene.dt, steps, own)
 
         in_ranges(work, len(starts), self.threads)
-        return in_world(poses, scene)
+        return in_world(poses[:, body.columns], scene)
 
 
 def in_plane(scene: TossScene) -> tuple[FloatArray, FloatArray]:

@@ -27,7 +27,7 @@ FASTEST = 1e6
 
 
 class BulletBody:
-    """Bullet's springs and dampers at rounded corners, steps of a millisecond.
+    """Bullet's springs and dampers at rounded corners, steps of a millisecond; hinges do not give.
 
     Raises
     ------

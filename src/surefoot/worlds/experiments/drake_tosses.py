@@ -16,7 +16,8 @@ from surefoot.worlds.experiments.thrown_links import joint_words, steps_between
 class DrakeBody:
     """Drake's point contact at rounded corners, with Hunt and Crossley's dissipation, steps of a millisecond.
 
-    Of a joint's losses it has the damping; it lives in an interpreter of its own, see `drake_python`.
+    Of a joint's losses it has the damping, hinges do not give; it lives in an interpreter of its own, see
+    `drake_python`.
 
     Parameters
     ----------

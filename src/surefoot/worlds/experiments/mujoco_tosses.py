@@ -64,7 +64,8 @@ class MujocoBody:
         steps = steps_between(scene.dt)
         model = self._mujoco.MjModel.from_xml_string(_MODEL.format(**_settings(values, scene, steps)))
         nq, ends = int(model.nq), np.append(0, np.cumsum(scene.frames))
-        poses, starts = np.empty((int(ends[-1]), nq)), scene.starts.copy()
+        body = scene.body.bent()  # MuJoCo's coordinates come in its order
+        poses, starts = np.empty((int(ends[-1]), nq)), body.widen(scene.starts)
         turns, rates = starts[:, 3:7], starts[:, nq + 3 : nq + 6]
         rates[:] = Rotation.from_quat(turns).inv().apply(rates)
         turns[:] = quaternion_wxyz(turns)
@@ -81,7 +82,7 @@ class MujocoBody:
 
         in_ranges(work, len(starts), self._threads)
         poses[:, 3:7] = quaternion_xyzw(poses[:, 3:7])
-        return poses
+        return poses[:, body.columns]
 
 
 def _settings(values: FloatArray, scene: TossScene, steps: int) -> dict[str, Any]:
@@ -105,11 +106,7 @@ def _turn(rotation: FloatArray) -> str:
 def _link(body: ThrownBody, i: int) -> str:
     """Return a link, and those that hang on it, as MJCF."""
     tree, about = body.tree, body.tree.inertias[i]
-    kind = "slide" if tree.sliding[i] else "hinge"
-    joint = "<freejoint/>" if i == 0 else (
-        f'<joint type="{kind}" axis="{_text(tree.axes[i])}" frictionloss="{tree.friction[i]}" '
-        f'damping="{tree.damping[i]}"/>'
-    )  # fmt: skip
+    joint = "<freejoint/>" if i == 0 else _joints(body, i)
     inertia = _text(np.array([*np.diag(about), about[0, 1], about[0, 2], about[1, 2]]))
     shapes = "".join(_geom(solid, body.scale) for solid in body.solids if solid.joint == i + 1)
     others = "".join(_link(body, int(k)) for k in np.flatnonzero(tree.parents == i))
@@ -117,6 +114,17 @@ def _link(body: ThrownBody, i: int) -> str:
         f'<body pos="{_text(tree.places[i])}" quat="{_turn(tree.turns[i])}">{joint}'
         f'<inertial pos="{_text(tree.centres[i])}" mass="{tree.masses[i]}" fullinertia="{inertia}"/>'
         f"{shapes}{others}</body>"
+    )
+
+
+def _joints(body: ThrownBody, i: int) -> str:
+    """Return what a link hangs on as MJCF: its joint, and the springs across a hinge that gives."""
+    bent = body.bent()
+    tree = bent.tree
+    return "".join(
+        f'<joint type="{"slide" if tree.sliding[k] else "hinge"}" axis="{_text(tree.axes[k])}" '
+        f'frictionloss="{tree.friction[k]}" damping="{tree.damping[k]}" stiffness="{tree.stiffness[k]}"/>'
+        for k in bent.joints(i)
     )
 
 
