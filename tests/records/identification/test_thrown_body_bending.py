@@ -51,11 +51,11 @@ def models(tmp_path_factory: pytest.TempPathFactory) -> dict[str, ThrownBody]:
 
 def test_what_gives_has_two_springs_behind_its_joint(models: dict[str, ThrownBody]) -> None:
     chain = models["chain"]
-    assert chain.bent(0.0).tree.masses.size == 4, "a rigid one is as it was"
+    assert chain.bend_hinges().tree.masses.size == 4, "a rigid one is as it was"
     own = {"compliance_first": 0.02, "compliance_third": 0.05}
     names = [p.name for p in chain.parameters]
     assert [name for name in names if name.startswith("compliance")] == list(own), "a slide does not give"
-    bent = chain.at(own).bent()
+    bent = chain.at(own).bend_hinges()
     tree = bent.tree
     np.testing.assert_array_equal(tree.parents, [-1, 0, 1, 2, 3, 4, 5, 6])
     np.testing.assert_array_equal(bent.columns, [0, 1, 2, 3, 4, 5, 6, 7, 10, 11])
@@ -72,7 +72,7 @@ def test_what_gives_has_two_springs_behind_its_joint(models: dict[str, ThrownBod
 
 
 def test_motion_with_springs_is_pinocchios(models: dict[str, ThrownBody]) -> None:
-    bent = models["chain"].at({"compliance_first": 0.02, "compliance_third": 0.05}).bent()
+    bent = models["chain"].at({"compliance_first": 0.02, "compliance_third": 0.05}).bend_hinges()
     tree, random = bent.tree, np.random.default_rng(0)
     model = _pinocchio(tree)
     data, n = model.createData(), tree.masses.size - 1

@@ -87,7 +87,7 @@ class ThrownBody:
         points, radii = self.tree.points + radius * self.inward, self.tree.radii + radius * sharp
         return self.tree._replace(points=points, radii=radii)
 
-    def bent(self, radius: float = 0.0) -> BentBody:
+    def bend_hinges(self, radius: float = 0.0) -> BentBody:
         """Return the links with edges rounded to a radius [m], and hinges that give."""
         return bend(self.rounded(radius), self.compliance)
 

@@ -130,7 +130,7 @@ class ThrownModel:
                 rounding = float(value)
             else:
                 law[slot] = value
-        body = scene.body.bent(rounding)
+        body = scene.body.bend_hinges(rounding)
         gravity, starts = in_plane(scene)
         starts = body.widen(starts)
         frames, ends = scene.frames, np.append(0, np.cumsum(scene.frames))

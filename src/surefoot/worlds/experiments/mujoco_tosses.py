@@ -64,7 +64,7 @@ class MujocoBody:
         steps = steps_between(scene.dt)
         model = self._mujoco.MjModel.from_xml_string(_MODEL.format(**_settings(values, scene, steps)))
         nq, ends = int(model.nq), np.append(0, np.cumsum(scene.frames))
-        body = scene.body.bent()  # MuJoCo's coordinates come in its order
+        body = scene.body.bend_hinges()  # MuJoCo's coordinates come in its order
         poses, starts = np.empty((int(ends[-1]), nq)), body.widen(scene.starts)
         turns, rates = starts[:, 3:7], starts[:, nq + 3 : nq + 6]
         rates[:] = Rotation.from_quat(turns).inv().apply(rates)
@@ -119,7 +119,7 @@ def _link(body: ThrownBody, i: int) -> str:
 
 def _joints(body: ThrownBody, i: int) -> str:
     """Return what a link hangs on as MJCF: its joint, and the springs across a hinge that gives."""
-    bent = body.bent()
+    bent = body.bend_hinges()
     tree = bent.tree
     return "".join(
         f'<joint type="{"slide" if tree.sliding[k] else "hinge"}" axis="{_text(tree.axes[k])}" '
