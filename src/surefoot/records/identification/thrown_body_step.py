@@ -8,8 +8,9 @@ first link's origin, its angular velocity and the joints' rates for coordinates 
 
 with a, α the links' accelerations at v̇ = 0. Free motion is the midpoint rule, impulses are the exact contact
 problem of Moreau's step [1]_, and a step ends where a sphere arrives, so that impacts happen on the plane. A
-joint's dry friction and damping are taken implicitly, before the ground's impulses. It is the same physics as
-`Stepper`'s, without what the ground of a throw does not need: other bodies, terrain, order two at rest.
+joint's dry friction and damping are taken implicitly, before the ground's impulses, springs across a hinge in
+M itself. It is the same physics as `Stepper`'s, without what the ground of a throw does not need: other
+bodies, terrain, order two at rest.
 
 References
 ----------
