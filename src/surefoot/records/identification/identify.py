@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -46,6 +47,8 @@ FEW = 128
 """Tosses, evenly spread, that tell the body."""
 SOON, LATER = 8, 25
 """Frames after the first touch that tell the body: few, while the law is still wrong, then more."""
+GIVES = "compliance"
+"""How the numbers of hinges that give are called."""
 SURE = 0.2
 """Standard error of gravity [m/s²] above which the standard value is taken."""
 WIDE = 0.15
@@ -226,10 +229,12 @@ def identify_body(
     before = flying_frames(tosses, corners, plane, body.width)
     fit = _BodySearch(tosses, body, law, plane, before, tick)
     gravity = fit.falls(draws, notes)
-    part = _BodySearch(tosses.subset(chosen), body, law, plane, before[chosen], tick, dict(fit.values))
-    part.draws = {"gravity": fit.draws["gravity"], **dict(zip(SLOPES, planes[:, 1:].T, strict=True))}
-    for horizon in (SOON, LATER):
-        part.lands(horizon, draws[:, chosen])
+    told = {"gravity": fit.draws["gravity"], **dict(zip(SLOPES, planes[:, 1:].T, strict=True))}
+    few = tosses.subset(chosen), body, law, plane, before[chosen], tick, dict(fit.values), told
+    # rigid hinges lie in a valley of their own, which a search with those that give may miss
+    ways = (False, True) if any(p.name.startswith(GIVES) for p in body.parameters) else (False,)
+    part, _ = min((_land(few, draws[:, chosen], rigid) for rigid in ways), key=lambda way: way[1])
+    part.lands(LATER, draws[:, chosen])
     values = part.values
     known = body.at(values)
     flight = TossFlight(tosses, before, known.tree, gravity)
@@ -248,12 +253,19 @@ def identify_body(
     )  # fmt: skip
 
 
+def _land(few: tuple[Any, ...], draws: FloatArray, rigid: bool) -> tuple[_BodySearch, float]:
+    """Return a search of the body after its first landings, with hinges that give or rigid ones; its loss."""
+    part = _BodySearch(*few)
+    return part, part.lands(SOON, draws, rigid)
+
+
 class _BodySearch:
     """The steps that find a body: each goes on from the values, by name, that the last one left."""
 
     def __init__(
         self, tosses: Tosses, body: ThrownBody, law: ThrownModel, plane: GroundPlane, before: IntArray,
         tick: Callable[[float], None], values: dict[str, float] | None = None,
+        draws: dict[str, FloatArray] | None = None,
     ) -> None:  # fmt: skip
         self._tosses, self._body, self._plane, self._before = tosses, body, plane, before
         self._tick, self._law = tick, law
@@ -262,7 +274,7 @@ class _BodySearch:
         start |= {p.name: p.start for p in (*body.parameters, *self._law.parameters)}
         self.values = start | (values or {})
         self.estimates: dict[str, Estimate] = {}
-        self.draws: dict[str, FloatArray] = {}
+        self.draws = dict(draws or {})
         self._flight = TossFlight(tosses, before, body.at(self.values).tree, self.values["gravity"])
 
     def falls(self, draws: FloatArray, notes: list[str]) -> float:
@@ -284,15 +296,13 @@ class _BodySearch:
             )
         return self.values["gravity"]
 
-    def lands(self, horizon: int, draws: FloatArray) -> None:
-        """Find everything else, in so many frames after the first touch."""
-        self._fit(
-            (*self._law.parameters, ground_parameter(self._plane.height), *self._body.parameters),
-            horizon,
-            draws,
-        )
+    def lands(self, horizon: int, draws: FloatArray, rigid: bool = False) -> float:
+        """Find everything else, in so many frames after the first touch; return the loss."""
+        own = [p for p in self._body.parameters if not (rigid and p.name.startswith(GIVES))]
+        ground = ground_parameter(self._plane.height)
+        return self._fit((*self._law.parameters, ground, *own), horizon, draws)
 
-    def _fit(self, parameters: Sequence[TossParameter], horizon: int | None, draws: FloatArray) -> None:
+    def _fit(self, parameters: Sequence[TossParameter], horizon: int | None, draws: FloatArray) -> float:
         law, given = [p.name for p in self._law.parameters], ["gravity", *SLOPES] if horizon else []
         names = [p.name for p in parameters]
         part = self._tosses.until(np.maximum(self._before + (horizon or 0), 2))
@@ -316,3 +326,4 @@ class _BodySearch:
                 self.estimates[p.name] = estimate_of(best.values[k], best.draws[:, k], p.unit)
         now = self._body.at(self.values)
         self._flight = TossFlight(self._tosses, self._before, now.tree, self.values["gravity"])
+        return best.loss
