@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.base.spatial import rotation_from_normal
 from surefoot.records.identification.thrown_body_tree import FallingBody
 
 RELAXES = 1e-3
@@ -64,7 +65,7 @@ def bend(tree: FallingBody, compliance: FloatArray) -> BentBody:
     axes, stiffness, damping = tree.axes[own], np.zeros(len(own)), np.where(joint, tree.damping[own], 0.0)
     for i in np.flatnonzero(gives):
         more = slice(first[i] + 1, last[i] + 1)
-        axes[more] = _across(tree.axes[i])
+        axes[more] = rotation_from_normal(tree.axes[i]).T[1::-1]
         stiffness[more], damping[more] = 1.0 / compliance[i], RELAXES / compliance[i]
     bent = FallingBody(
         parents, np.where(joint[:, None, None], tree.turns[own], np.eye(3)),
@@ -74,10 +75,3 @@ def bend(tree: FallingBody, compliance: FloatArray) -> BentBody:
         damping, stiffness, last[tree.links], tree.points, tree.radii,
     )  # fmt: skip
     return BentBody(bent, np.append(np.arange(7), 6 + first[1:]))
-
-
-def _across(axis: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return two directions (3,) at right angles to an axis (3,) and to each other."""
-    left = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
-    left /= np.linalg.norm(left)
-    return left, np.cross(axis, left)
