@@ -12,7 +12,6 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -230,10 +229,12 @@ def identify_body(
     fit = _BodySearch(tosses, body, law, plane, before, tick)
     gravity = fit.falls(draws, notes)
     told = {"gravity": fit.draws["gravity"], **dict(zip(SLOPES, planes[:, 1:].T, strict=True))}
-    few = tosses.subset(chosen), body, law, plane, before[chosen], tick, dict(fit.values), told
+    few, values = tosses.subset(chosen), fit.values
     # rigid hinges lie in a valley of their own, which a search with those that give may miss
     ways = (False, True) if any(p.name.startswith(GIVES) for p in body.parameters) else (False,)
-    part, _ = min((_land(few, draws[:, chosen], rigid) for rigid in ways), key=lambda way: way[1])
+    parts = [_BodySearch(few, body, law, plane, before[chosen], tick, values, told) for _ in ways]
+    losses = [part.lands(SOON, draws[:, chosen], way) for part, way in zip(parts, ways, strict=True)]
+    part = parts[int(np.argmin(losses))]
     part.lands(LATER, draws[:, chosen])
     values = part.values
     known = body.at(values)
@@ -251,12 +252,6 @@ def identify_body(
         known, ground, gravity, estimates, flight, values, part.draws, body, levelled, tuple(notes),
         (known, ground, gravity),
     )  # fmt: skip
-
-
-def _land(few: tuple[Any, ...], draws: FloatArray, rigid: bool) -> tuple[_BodySearch, float]:
-    """Return a search of the body after its first landings, with hinges that give or rigid ones; its loss."""
-    part = _BodySearch(*few)
-    return part, part.lands(SOON, draws, rigid)
 
 
 class _BodySearch:
