@@ -24,7 +24,7 @@ import surefoot as sf
 from benchmarks.ablation import trials as ablation_trials
 from benchmarks.ablation.trials import Change
 from benchmarks.problems.logged_runs import CleanRun
-from benchmarks.problems.tosses import random_tosses, write_tosses
+from benchmarks.problems.tosses import ELBOW, random_tosses, write_tosses
 from benchmarks.softening import race
 from surefoot.app.cli.extras import missing
 from surefoot.app.cli.main import main
@@ -34,6 +34,7 @@ from surefoot.contact.solvers import solver as solvers
 from surefoot.mechanics.robot.catalog import find, robots_folder
 from surefoot.motion.planning import planner
 from surefoot.records.identification import identify
+from surefoot.records.identification.thrown_body import thrown_body
 from surefoot.worlds.interface.world_names import WORLDS, packages_of
 from tests.records.identification.hopper import write_hopper
 from tests.records.log.test_log_completion import write as write_table
@@ -166,6 +167,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (place / "my.urdf").write_text(text)
     for name, seed, tosses in (("tosses", 0, 12), ("train", 1, 8), ("test", 2, 8)):  # 8 of three folds
         write_tosses(random_tosses(tosses, [0.2, 0.1, 0.003], seed=seed, frames=30), place / f"{name}.npz")
+    (place / "elbow.urdf").write_text(ELBOW)
+    elbow = thrown_body(place / "elbow.urdf")
+    for name, tosses in (("even", 8), ("odd", 4), ("third", 12)):
+        jointed = random_tosses(tosses, [0.2, 0.1, 0.003], seed=len(name), frames=24, body=elbow)
+        write_tosses(jointed, place / f"{name}.npz")
     (place / "example-robot-data").symlink_to(robots_folder().parent)
     CleanRun(duration=0.3).make().save(place / "log.npz")
     CleanRun(duration=0.3).make().save(place / "crate.npz")
