@@ -38,11 +38,18 @@ class Fall(NamedTuple):
     change: float
 
 
-def robust_mean(rows: FloatArray, frames: IntArray, scale: float) -> float:
-    """Return the mean over tosses of sqrt(c² + e²) - c, e the root mean square of a toss's rows [widths]."""
-    square = np.square(np.clip(np.nan_to_num(rows, nan=LOST), -LOST, LOST)).sum(axis=1)
-    errors = [np.sqrt(toss.mean()) for toss in np.split(square, np.cumsum(frames)[:-1])]
-    return float(np.mean([np.hypot(scale, e) - scale for e in errors]))
+def robust_mean(rows: FloatArray, frames: IntArray, scale: FloatArray) -> float:
+    """Return the loss of `toss_loss` by its definition, toss by toss [widths].
+
+    Of the (N, m) rows the first three columns are places, the others turns, robust from scale (2,) on.
+    """
+    square = np.square(np.clip(np.nan_to_num(rows, nan=LOST), -LOST, LOST))
+    losses = []
+    for toss in np.split(square, np.cumsum(frames)[:-1]):
+        place, turn = (np.sqrt(part.sum(axis=1).mean()) for part in (toss[:, :3], toss[:, 3:]))
+        turned = np.hypot(scale[1], turn) - scale[1]
+        losses.append(np.hypot(scale[0], place) - scale[0] + turned * scale[0] / scale[1])
+    return float(np.mean(losses))
 
 
 def find_falls(
@@ -51,7 +58,7 @@ def find_falls(
     """Return the loss at a fit, and the best move of each parameter; tosses are upright."""
     own, simulate = list_parameters(law, found), simulate_around(tosses, law, found)
     here = np.append(values, [found.values[p.name] for p in own[len(values) :]])
-    frames, scale = tosses.frames, found.scale or 1.0
+    frames, scale = tosses.frames, np.ones(2) if found.scale is None else found.scale
     loss = robust_mean(simulate(here), frames, scale)
     sizes = np.geomspace(SHORTEST, LONGEST, moves)
     falls = []

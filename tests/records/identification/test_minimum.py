@@ -14,9 +14,11 @@ from surefoot.records.identification.toss_model import ThrownModel
 
 
 def test_the_loss_is_that_of_its_definition() -> None:
-    rows = np.array([[3.0, 4.0], [0.0, 0.0], [np.nan, 0.0]])
-    by_hand = (np.hypot(2.0, np.sqrt(12.5)) - 2.0, np.hypot(2.0, 10.0) - 2.0)  # what is lost is 10 widths off
-    assert robust_mean(rows, np.array([2, 1]), 2.0) == pytest.approx(np.mean(by_hand))
+    rows = np.array([[3.0, 4.0, 0.0, 2.0], [0.0, 0.0, 0.0, 0.0], [np.nan, 0.0, 0.0, 1.0]])
+    place = (np.hypot(2.0, np.sqrt(12.5)) - 2.0, np.hypot(2.0, 10.0) - 2.0)  # what is lost is 10 widths off
+    turn = (np.hypot(0.5, np.sqrt(2.0)) - 0.5, np.hypot(0.5, 1.0) - 0.5)  # a quarter of the scale: four-fold
+    by_hand = np.mean(place) + 4.0 * np.mean(turn)
+    assert robust_mean(rows, np.array([2, 1]), np.array([2.0, 0.5])) == pytest.approx(by_hand)
 
 
 def test_a_parameter_that_still_pays_is_named(capsys: pytest.CaptureFixture[str]) -> None:

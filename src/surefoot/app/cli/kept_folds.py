@@ -20,6 +20,9 @@ from surefoot.records.identification.toss_fit import BodyNumbers, Estimate
 from surefoot.records.identification.toss_model import TossModel
 from surefoot.records.identification.tosses import Tosses
 
+KIND = 2
+"""Of what is kept: another one for each change of what a fit finds, so that no table mixes two kinds."""
+
 
 @dataclass(frozen=True)
 class FoldFiles:
@@ -118,7 +121,7 @@ def folds_folder(parent: Path, tosses: Tosses, first: TossModel, settings: dict[
     for key, value in sorted(settings.items()):
         is_file = isinstance(value, Path) and value.is_file()
         told.update(value.read_bytes() if is_file else f"{key}={value}".encode())
-    told.update(f"{FoldFiles(Path(), 0, 1).place(first).name} {version('surefoot')}".encode())
+    told.update(f"{FoldFiles(Path(), 0, 1).place(first).name} {version('surefoot')} {KIND}".encode())
     return parent / f"folds-{told.hexdigest()[:8]}"
 
 
@@ -138,7 +141,7 @@ def _write(place: Path, judged: JudgedLaw) -> None:
     arrays |= {f"draw/{name}": draws for name, draws in numbers.draws.items()}
     arrays |= {f"estimate/{name}": np.array(astuple(e)[:3]) for name, e in numbers.parameters.items()}
     arrays |= {f"unit/{name}": np.array(e.unit) for name, e in numbers.parameters.items()}
-    arrays["scale/"] = np.float64(np.nan if numbers.scale is None else numbers.scale)
+    arrays["scale/"] = np.empty(0) if numbers.scale is None else numbers.scale
     draft = place.with_name(f"{place.stem}.{os.getpid()}.part")
     with draft.open("wb") as file:
         np.savez(file, **arrays)
@@ -158,6 +161,6 @@ def _read(place: Path) -> JudgedLaw:
         name: Estimate(float(value), float(low), float(high), str(units[name]))
         for name, (value, low, high) in parts["estimate"].items()
     }
-    scale = float(parts["scale"][""])
-    numbers = BodyNumbers(values, parts["draw"], estimates, None if np.isnan(scale) else scale)
+    scale = parts["scale"][""]
+    numbers = BodyNumbers(values, parts["draw"], estimates, scale if scale.size else None)
     return JudgedLaw(TossErrors(**parts["error"]), found, numbers)

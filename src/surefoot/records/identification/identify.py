@@ -186,11 +186,11 @@ def _body_of_tosses(model: Robot | str | Path | None, tosses: Tosses, others: To
 
 def _search_law(
     tosses: Tosses, simulator: TossModel, scene: TossScene, ends: IntArray, starts: Sequence[FloatArray],
-    measure: tuple[float | None, float, float], draws: FloatArray, tick: Callable[[float], None],
+    measure: tuple[FloatArray | None, float, float], draws: FloatArray, tick: Callable[[float], None],
 ) -> SearchResult:  # fmt: skip
     """Fit a law to the frames before (B,) ends, from several starts (d,); the body is held.
 
-    The loss is robust from an error on, and in widths [m], a turn counts by an arm [m]: the `measure`.
+    The loss is robust from errors (G,) on, and in widths [m], a turn counts by an arm [m]: the `measure`.
     """
     scale, *sizes = measure
     part = tosses.until(ends)

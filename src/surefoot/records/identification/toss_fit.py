@@ -39,7 +39,7 @@ class BodyNumbers(NamedTuple):
     values: dict[str, float]
     draws: dict[str, FloatArray]
     parameters: dict[str, Estimate]
-    scale: float | None
+    scale: FloatArray | None
 
 
 class BodyFit(NamedTuple):
@@ -68,7 +68,7 @@ class BodyFit(NamedTuple):
     first
         Body, ground and gravity by which first touches and first states were found: those before a law's fit.
     scale
-        The error from which a law's loss is robust [widths]: one for all laws; None before the first.
+        (G,) from which errors a loss is robust [widths], see `toss_loss`: of all laws; None before the first.
     """
 
     body: ThrownBody
@@ -82,7 +82,7 @@ class BodyFit(NamedTuple):
     levelled: Levelling | None
     notes: tuple[str, ...]
     first: tuple[ThrownBody, GroundPlane, float]
-    scale: float | None = None
+    scale: FloatArray | None = None
 
     @property
     def numbers(self) -> BodyNumbers:
@@ -136,7 +136,7 @@ class TossFit(Drawn):
     position_noise, rotation_noise
         Standard deviations of a recorded coordinate [m] and angle [rad], from free flight.
     loss
-        Robust mean [widths] over the tosses it was fitted to, see `toss_search`: that of a law which contains
+        Robust mean [widths] over the tosses it was fitted to, see `toss_loss`: that of a law which contains
         another one is not larger.
     evaluations, seconds
         How often all tosses were simulated [-], and how long the fit took [s].

@@ -1,10 +1,5 @@
 """The search for parameters of a simulator of tosses: a trust region on means over tosses, several starts.
 
-The loss of a toss is the root mean square e of its corners' deviations over its frames, made robust as
-sqrt(c² + e²) - c with the median error for c: a square for tosses that fit, the distance itself for those
-that end on another face. It is soft-L1 of a whole toss, which `least_squares` [1]_ knows for single numbers
-only: so the deviations of a toss are scaled until their squares add up to it.
-
 A single toss jumps where a corner lands first, the mean over many hardly does, so that differences over
 steps that show have slopes to go by. They are taken along the principal axes of the curvature: parameters
 that make up for each other leave a valley across them, and single steps see its bend rather than its fall.
@@ -16,11 +11,6 @@ Intervals are bootstraps over tosses: each sample takes the point that is best f
 search has been at, which is as far away as the loss is rough, and from there the step of the linearised fit,
 by what leaving out each toss moves (the jackknife, since few tosses can bend a fit to themselves), with a
 share for what is held but not exactly known. The model is a black box: all get this search.
-
-References
-----------
-.. [1] M. A. Branch, T. F. Coleman, Y. Li, "A subspace, interior, and conjugate gradient method for
-   large-scale bound-constrained minimization problems", SIAM J. Sci. Comput. 21(1), 1999.
 """
 
 from __future__ import annotations
@@ -34,9 +24,16 @@ from scipy.optimize import least_squares
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.records.identification.thrown_body import TossParameter
 from surefoot.records.identification.toss_errors import LOST
+from surefoot.records.identification.toss_loss import (
+    Deviations,
+    Slopes,
+    curvature,
+    measure_rows,
+    robust_deviations,
+    robust_slopes,
+    slopes_of_rows,
+)
 
-FLOOR = 1e-3
-"""Least median error [widths] that the robust loss takes."""
 TRIALS = 40
 """Points that one descent may try; each that is better also takes two simulations a parameter for slopes."""
 SAME = 3e-4
@@ -78,41 +75,14 @@ class SearchResult(NamedTuple):
     settled
         Whether the loss had stopped falling, along single parameters too.
     loss, scale
-        Of the values, and the error c from which it is robust [widths].
+        Of the values, and the errors c (G,) from which it is robust [widths].
     """
 
     values: FloatArray
     draws: FloatArray
     settled: bool
     loss: float
-    scale: float
-
-
-class TossResiduals(NamedTuple):
-    """Deviations (N, m) [widths], the loss, the errors e (B,) of the tosses, and c."""
-
-    rows: FloatArray
-    loss: float
-    errors: FloatArray
-    scale: float
-
-    @property
-    def robust(self) -> FloatArray:
-        """(B,) the loss of each toss."""
-        return np.asarray(np.sqrt(self.scale**2 + self.errors**2) - self.scale)
-
-
-class Slopes(NamedTuple):
-    """Derivatives per step of the parameters.
-
-    Those of the deviations (N, m, d), weights (N,) of their rows; the gradient (B, d) of each toss and its
-    curvature (B, d, d) by Gauss and Newton.
-    """
-
-    rows: FloatArray
-    weight: FloatArray
-    moments: FloatArray
-    squares: FloatArray
+    scale: FloatArray
 
 
 def search(
@@ -124,7 +94,7 @@ def search(
     held: FloatArray | None = None,
     *,
     others: Sequence[FloatArray] = (),
-    scale: float | None = None,
+    scale: FloatArray | None = None,
     descents: int = STARTS,
 ) -> SearchResult:
     """Fit parameters.
@@ -144,11 +114,11 @@ def search(
     others
         (d,) further points to start from. The result is at least as good as each of them, and as `values`.
     scale
-        The error c from which the loss is robust [widths]; None for the median error at the start.
+        The errors c (G,) from which the loss is robust [widths]; None for the median errors at the start.
     descents
         Most descents; with 0 single parameters alone are moved.
     """
-    first, count = np.cumsum(frames) - frames, len(parameters)
+    count = len(parameters)
     low, high, steps = (np.array([getattr(p, k) for p in parameters]) for k in ("low", "high", "step"))
     fixed, values = values[count:], np.clip(values[:count], low, high)
 
@@ -156,20 +126,18 @@ def search(
         found = simulate(np.concatenate([values, others]))
         return np.clip(np.nan_to_num(found, nan=LOST), -LOST, LOST)
 
-    valley = _Valley(rows, first, frames, (low, high), steps, values, scale)
+    valley = _Valley(rows, frames, (low, high), steps, values, scale)
     for other in others:
         valley.at(np.clip(other, low, high))
     settled = descents == 0 or _descend_often(valley, [values, *others], descents)
     settled &= valley.polish()
     values, here = valley.values, valley.best
     slopes = valley.slopes(values, here)
-    moments = slopes.moments  # flat beyond c, the loss bends by less than its squares do
-    bent = np.einsum("bk,bl,b->bkl", moments, moments, 1.0 / np.sqrt(here.scale**2 + here.errors**2))
-    squares = slopes.squares - bent
+    squares = curvature(here, slopes)
     total = squares.sum(axis=0)
-    # Newton's step of each bootstrap sample from the common optimum, where Σ moments = 0: a toss moves the
-    # fit by its gradient over the curvature of the others (the jackknife's).
-    moved = (draws - 1.0) @ np.einsum("bkl,bl->bk", _inverse(total - squares), moments)
+    # Newton's step of each bootstrap sample from the common optimum, where the gradients add up to 0: a toss
+    # moves the fit by its own over the curvature of the others (the jackknife's).
+    moved = (draws - 1.0) @ np.einsum("bkl,bl->bk", _inverse(total - squares), slopes.gradients)
     if held is not None:
         moved += _share(rows, values, fixed, held, here, slopes) @ _inverse(total)
     spread = np.clip(valley.best_points(draws) - steps * moved, low, high)
@@ -199,30 +167,30 @@ class _Valley:
     """The loss around the best values found so far, and descents in it."""
 
     def __init__(
-        self, rows: Callable[[FloatArray], FloatArray], first: IntArray, frames: IntArray,
-        ends: tuple[FloatArray, FloatArray], steps: FloatArray, values: FloatArray, scale: float | None,
+        self, rows: Callable[[FloatArray], FloatArray], frames: IntArray, ends: tuple[FloatArray, FloatArray],
+        steps: FloatArray, values: FloatArray, scale: FloatArray | None,
     ) -> None:  # fmt: skip
-        self._rows, self._first, self._frames, self._ends, self._steps = rows, first, frames, ends, steps
+        self._rows, self._frames, self._ends, self._steps = rows, frames, ends, steps
         self._axes = np.eye(len(values))
-        self.values, self.best = values, _residuals(rows(values), first, frames, scale)
+        self.values, self.best = values, measure_rows(rows(values), frames, scale)
         self._last, self._there = values, self.best
         self._tried = [(values, self.best.robust)]
 
-    def at(self, values: FloatArray) -> TossResiduals:
+    def at(self, values: FloatArray) -> Deviations:
         """Return the deviations at values (d,), and remember them if they are the best."""
         if np.array_equal(values, self._last):
             return self._there
-        there = _residuals(self._rows(values), self._first, self._frames, self.best.scale)
+        there = measure_rows(self._rows(values), self._frames, self.best.scale)
         self._last, self._there = values.copy(), there
         self._tried.append((self._last, there.robust))
         if there.loss < self.best.loss:
             self.values, self.best = self._last, there
         return there
 
-    def slopes(self, values: FloatArray, here: TossResiduals) -> Slopes:
+    def slopes(self, values: FloatArray, here: Deviations) -> Slopes:
         """Return the derivatives at values (d,); the next ones go along the axes of this curvature."""
-        out = _slopes(self._rows, values, self._steps, self._axes, self._ends, here, self._frames)
-        self._axes = _axes(out.squares.mean(axis=0), here.scale)
+        out = _slopes(self._rows, values, self._steps, self._axes, self._ends, here)
+        self._axes = _axes(out.squares.mean(axis=0), float(here.scale[0]))
         return out
 
     def descend(self, values: FloatArray) -> bool:
@@ -238,11 +206,11 @@ class _Valley:
             return out
 
         def residuals(x: FloatArray) -> FloatArray:
-            return _robust_deviations(self.at(point(x)), self._frames)
+            return robust_deviations(self.at(point(x)))
 
         def jacobian(x: FloatArray) -> FloatArray:
             here = self.at(point(x))
-            return _scaled_slopes(here, self.slopes(point(x), here), self._frames)[:, free]
+            return robust_slopes(here, self.slopes(point(x), here))[:, free]
 
         found = least_squares(
             residuals, values[free] / steps, jacobian, (low / steps, high / steps),
@@ -310,35 +278,6 @@ class _Valley:
         return None if better and not losses[best] < (1.0 - SAME) * least else points[best]
 
 
-def _robust_deviations(here: TossResiduals, frames: IntArray) -> FloatArray:
-    """Return the deviations (N m,), scaled: half the sum of their squares is Σ c (sqrt(c² + e²) - c)."""
-    return np.asarray((here.rows * _weights(here, frames)[0][:, None]).ravel())
-
-
-def _scaled_slopes(here: TossResiduals, slopes: Slopes, frames: IntArray) -> FloatArray:
-    """Return the derivatives (N m, d) of `_robust_deviations`, per step of the parameters."""
-    weight, lean = _weights(here, frames)
-    # The weight s of a toss falls with its error: ds = -s e de / (2 q (q + c)), e de the toss's mean of r dr.
-    mean = slopes.moments * np.sqrt(here.scale**2 + here.errors**2)[:, None]
-    fall = np.repeat(lean[:, None] * mean, frames, axis=0)
-    J = weight[:, None, None] * (slopes.rows - here.rows[:, :, None] * fall[:, None, :])
-    return np.asarray(J.reshape(-1, J.shape[2]))
-
-
-def _weights(here: TossResiduals, frames: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Return the weights s (N,) of rows, and 1 / (2 q (q + c)) of tosses (B,), with q = sqrt(c² + e²)."""
-    c = here.scale
-    q = np.sqrt(c * c + here.errors**2)
-    # 2 c (q - c) = 2 c e² / (q + c): no difference of like numbers, no division by e
-    return np.repeat(np.sqrt(2.0 * c / ((q + c) * frames)), frames), 0.5 / (q * (q + c))
-
-
-def _residuals(rows: FloatArray, first: IntArray, frames: IntArray, scale: float | None) -> TossResiduals:
-    errors = np.sqrt(np.add.reduceat(np.einsum("ni,ni->n", rows, rows), first) / frames)
-    c = max(float(np.median(errors)), FLOOR) if scale is None else scale
-    return TossResiduals(rows, float(np.mean(np.sqrt(c * c + errors**2) - c)), errors, c)
-
-
 def _axes(square: FloatArray, scale: float) -> FloatArray:
     """Return the principal axes of a curvature (d, d), in columns, so long that each moves tosses alike."""
     size = np.sqrt(np.maximum(np.diag(square), 1e-12))
@@ -349,7 +288,7 @@ def _axes(square: FloatArray, scale: float) -> FloatArray:
 
 def _slopes(
     rows: Callable[[FloatArray], FloatArray], values: FloatArray, steps: FloatArray, axes: FloatArray,
-    ends: tuple[FloatArray, FloatArray], here: TossResiduals, frames: IntArray,
+    ends: tuple[FloatArray, FloatArray], here: Deviations,
 ) -> Slopes:  # fmt: skip
     """Return derivatives per step of the parameters, by differences along axes (d, d) within their ranges."""
     J, ways = np.empty((*here.rows.shape, len(values))), np.empty((len(values), len(values)))
@@ -359,11 +298,7 @@ def _slopes(
     long = np.maximum(np.abs(ways).max(axis=0), 1e-300)  # ranges may have left two ways alike, or none
     # Slopes along the axes, taken back to slopes by the parameters.
     J = J / long @ np.linalg.pinv(ways / long, rcond=HIDDEN)
-    weight = np.repeat(1.0 / (frames * np.sqrt(here.scale**2 + here.errors**2)), frames)
-    terms = np.einsum("nik,ni,n->nk", J, here.rows, weight)
-    squares = np.einsum("nik,nil,n->nkl", J, J, weight)
-    first = np.cumsum(frames) - frames
-    return Slopes(J, weight, np.add.reduceat(terms, first), np.add.reduceat(squares, first))
+    return slopes_of_rows(here, J)
 
 
 def _inverse(square: FloatArray) -> FloatArray:
@@ -375,7 +310,7 @@ def _inverse(square: FloatArray) -> FloatArray:
 
 def _share(
     rows: Callable[[FloatArray, FloatArray], FloatArray], values: FloatArray, fixed: FloatArray,
-    held: FloatArray, here: TossResiduals, slopes: Slopes,
+    held: FloatArray, here: Deviations, slopes: Slopes,
 ) -> FloatArray:  # fmt: skip
     """Return the gradients (S, d) that draws (S, h) of what is held make, one deviation a way."""
     spread = np.maximum(held.std(axis=0), 1e-12)
@@ -384,6 +319,6 @@ def _share(
     for k in np.flatnonzero(sizes > 1e-6 * sizes[0]):
         there = np.clip(fixed + sizes[k] / count * ways[k] * spread, held.min(axis=0), held.max(axis=0))
         change = rows(values, there) - here.rows
-        slope = np.einsum("nik,ni,n->k", slopes.rows, change, slopes.weight)
+        slope = np.einsum("nik,ni,ni->k", slopes.rows, change, slopes.weight)
         out += np.outer(count * left[:, k], slope)
     return out
