@@ -234,21 +234,46 @@ def test_a_range_that_is_a_point_stops_no_search() -> None:
     np.testing.assert_allclose(found.values, [0.3, 0.5], atol=1e-3)
 
 
+CAMERA = Rotation.from_rotvec([0.03, -0.02, 0.0])
+
+
+def level_each(true: Tosses) -> Tosses:
+    """Return tosses of a cube as a camera that leans records them, each lifted to end at height 0."""
+    states = true.states.copy()
+    states[:, :3] = CAMERA.apply(states[:, :3])
+    states[:, 3:7] = (CAMERA * Rotation.from_quat(states[:, 3:7])).as_quat()
+    states[:, 7:10] = CAMERA.apply(states[:, 7:10])
+    ends = sphere_places(cube_body(Cube()).tree, states[true.starts[1:] - 1, :7])[:, :, 2].min(axis=1)
+    states[:, 2] -= np.repeat(ends, true.frames)
+    return Tosses(states, true.starts, true.dt)
+
+
 def test_tosses_that_were_levelled_one_by_one_stand_upright_again() -> None:
     true = random_tosses(24, (0.2, 0.2, 0.0), ground=(0.0, 0.01, -0.02), seed=2, steps=2)
-    body, camera, states = cube_body(Cube()), Rotation.from_rotvec([0.03, -0.02, 0.0]), true.states.copy()
-    states[:, :3] = camera.apply(states[:, :3])
-    states[:, 3:7] = (camera * Rotation.from_quat(states[:, 3:7])).as_quat()
-    ends = sphere_places(body.tree, states[true.starts[1:] - 1, :7])[:, :, 2].min(axis=1)
-    states[:, 2] -= np.repeat(ends, true.frames)
-    recorded = Tosses(states, true.starts, true.dt)
+    body, recorded = cube_body(Cube()), level_each(true)
     found = find_levelled(recorded, body)
     assert found is not None
-    assert (found.turn * camera).magnitude() < 0.003
+    assert (found.turn * CAMERA).magnitude() < 0.003
     np.testing.assert_allclose(found.slope, [0.01, -0.02], atol=0.003)
-    off = found.upright(recorded).poses[:, 2] - true.poses[:, 2]
+    boards = GroundPlane(0.0, found.slope), GroundPlane(0.0, np.array([0.01, -0.02]))
+    here, there = found.upright(recorded).poses[:, None, :3], true.poses[:, None, :3]
+    off = boards[0].above(here) - boards[1].above(there)
     assert np.abs(off - np.median(off)).max() < 0.0015
     assert find_levelled(true, body) is None
+
+
+@pytest.mark.long
+def test_slopes_that_no_rest_tells_are_fitted() -> None:
+    """Touches on the way tell them to a twentieth of a degree, whole throws to a hundredth."""
+    true = random_tosses(24, (0.2, 0.2, 0.003), ground=(0.0, 0.01, -0.02), seed=2, steps=2)
+    fit = identify(level_each(true), ThrownModel(steps=2), resamples=50)
+    levelled = fit.found.levelled
+    assert levelled is not None
+    normal = (levelled.turn * CAMERA).apply([-0.01, 0.02, 1.0])  # of the board, in the axes of the fit
+    for name, slope in zip(("tilt_x", "tilt_y"), -normal[:2] / normal[2], strict=True):
+        assert fit[name].value == pytest.approx(np.degrees(np.arctan(slope)), abs=0.02), name
+    assert fit["mu"].value == pytest.approx(0.2, abs=0.01)
+    assert fit["restitution"].value == pytest.approx(0.2, abs=0.02)
 
 
 def test_the_ground_is_where_the_cube_rests() -> None:

@@ -30,9 +30,10 @@ from surefoot.records.identification.toss_model import ThrownModel, TossModel, T
 from surefoot.records.identification.toss_refit import (
     Refit,
     estimate_of,
-    ground_parameter,
+    ground_parameters,
     refit_body,
     scene_at,
+    tilts,
 )
 from surefoot.records.identification.toss_search import SearchResult, search
 from surefoot.records.identification.toss_start import TossFlight, flying_frames
@@ -233,21 +234,18 @@ def identify_body(
     # rigid hinges lie in a valley of their own, which a search with those that give may miss
     ways = (False, True) if any(p.name.startswith(GIVES) for p in body.parameters) else (False,)
     parts = [_BodySearch(few, body, law, plane, before[chosen], tick, values, told) for _ in ways]
-    losses = [part.lands(SOON, draws[:, chosen], way) for part, way in zip(parts, ways, strict=True)]
+    around, few_draws = ground_parameters(plane, levelled is not None), draws[:, chosen]
+    losses = [part.lands(SOON, few_draws, around, way) for part, way in zip(parts, ways, strict=True)]
     part = parts[int(np.argmin(losses))]
-    part.lands(LATER, draws[:, chosen])
+    part.lands(LATER, few_draws, around)
     values = part.values
     known = body.at(values)
     flight = TossFlight(tosses, before, known.tree, gravity)
     grounded = int((flight.used == 0).sum())
     if grounded:
         notes.append(f"{grounded} tosses start too near the ground: their first recorded velocity is used")
-    estimates = part.estimates | {"gravity": fit.estimates["gravity"]}
-    for k, name in enumerate(("tilt_x", "tilt_y")):
-        estimates[name] = estimate_of(
-            np.degrees(np.arctan(slope[k])), np.degrees(np.arctan(planes[:, 1 + k])), "deg"
-        )
-    ground = GroundPlane(values["ground"], plane.slope, clear)
+    estimates = part.estimates | tilts(values, part.draws) | {"gravity": fit.estimates["gravity"]}
+    ground = GroundPlane(values["ground"], np.array([values[name] for name in SLOPES]), clear)
     return BodyFit(
         known, ground, gravity, estimates, flight, values, part.draws, body, levelled, tuple(notes),
         (known, ground, gravity),
@@ -262,7 +260,7 @@ class _BodySearch:
         tick: Callable[[float], None], values: dict[str, float] | None = None,
         draws: dict[str, FloatArray] | None = None,
     ) -> None:  # fmt: skip
-        self._tosses, self._body, self._plane, self._before = tosses, body, plane, before
+        self._tosses, self._body, self._before = tosses, body, before
         self._tick, self._law = tick, law
         start = {"gravity": GRAVITY, "ground": plane.height}
         start |= dict(zip(SLOPES, plane.slope.tolist(), strict=True))
@@ -291,15 +289,16 @@ class _BodySearch:
             )
         return self.values["gravity"]
 
-    def lands(self, horizon: int, draws: FloatArray, rigid: bool = False) -> float:
+    def lands(
+        self, horizon: int, draws: FloatArray, ground: Sequence[TossParameter], rigid: bool = False
+    ) -> float:
         """Find everything else, in so many frames after the first touch; return the loss."""
         own = [p for p in self._body.parameters if not (rigid and p.name.startswith(GIVES))]
-        ground = ground_parameter(self._plane.height)
-        return self._fit((*self._law.parameters, ground, *own), horizon, draws)
+        return self._fit((*self._law.parameters, *ground, *own), horizon, draws)
 
     def _fit(self, parameters: Sequence[TossParameter], horizon: int | None, draws: FloatArray) -> float:
-        law, given = [p.name for p in self._law.parameters], ["gravity", *SLOPES] if horizon else []
-        names = [p.name for p in parameters]
+        law, names = [p.name for p in self._law.parameters], [p.name for p in parameters]
+        given = [name for name in ("gravity", *SLOPES) if horizon and name not in names]
         part = self._tosses.until(np.maximum(self._before + (horizon or 0), 2))
         fixed, width, arm = self.values, self._body.width, self._body.arm
 
@@ -318,7 +317,8 @@ class _BodySearch:
         for k, p in enumerate(parameters):
             if p.name not in law:
                 self.draws[p.name] = best.draws[:, k]
-                self.estimates[p.name] = estimate_of(best.values[k], best.draws[:, k], p.unit)
+                if p.name not in SLOPES:  # told as tilts
+                    self.estimates[p.name] = estimate_of(best.values[k], best.draws[:, k], p.unit)
         now = self._body.at(self.values)
         self._flight = TossFlight(self._tosses, self._before, now.tree, self.values["gravity"])
         return best.loss

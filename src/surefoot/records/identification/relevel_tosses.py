@@ -2,8 +2,9 @@
 
 Such a recording lifts every toss until its lowest corner ends at height zero. Resting places then lie level
 however the board slopes in the axes of the camera, and a toss that travels touches it too high or too low.
-What points down is known by free flight, and the board's slope by what stays on it on the way, its height
-over that of the end. Both are undone, in other tosses too: where they end says by how much they were lifted.
+What points down is known by free flight. The board's slope is to begin with that of what stays on it on the
+way, its height over that of the end. A toss whose end is the origin has the board below it whatever the slope
+is, so that this can be fitted further; in other tosses, too.
 """
 
 from __future__ import annotations
@@ -57,15 +58,18 @@ class Levelling:
         """What to know about it, in a line."""
         return (
             "every toss was lifted until it ends at the same height: axes are turned by "
-            f"{np.degrees(self.turn.magnitude()):.2f} deg until free flight falls straight, and the ground "
-            "slopes as touches on the way say"
+            f"{np.degrees(self.turn.magnitude()):.2f} deg until free flight falls straight, and the ground's "
+            "slopes are fitted"
         )
 
     def upright(self, tosses: Tosses) -> Tosses:
-        """Return the tosses in upright axes, over one board."""
+        """Return the tosses in upright axes, each with the place where it ended for origin.
+
+        There the board has one height under all of them, however it slopes.
+        """
         turned = _turn(tosses, self.turn)
         ends = _lowest(sphere_places(self.body.tree, turned.poses[turned.starts[1:] - 1]))
-        turned.states[:, 2] += np.repeat(ends[:, :2] @ self.slope - ends[:, 2], turned.frames)
+        turned.states[:, :3] -= np.repeat(ends, turned.frames, axis=0)
         return turned
 
 

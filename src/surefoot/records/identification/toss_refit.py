@@ -2,7 +2,9 @@
 
 A body that was found under a first law, from the frames just after the first touch, is not the best one for
 another law or for what follows. From there every parameter, the law's and the body's, is moved alone until
-no move pays (`toss_search`). What free flight and rest tell, gravity and slopes, stays in its interval.
+no move pays (`toss_search`). What free flight and rest tell, gravity and slopes, stays in its interval. Where
+tosses were levelled one by one rest tells no slope, and touches on the way only about: it is fitted like the
+ground's height.
 """
 
 from __future__ import annotations
@@ -24,6 +26,8 @@ from surefoot.records.identification.tosses import Tosses
 
 MEASURED = {"gravity": 0.02, SLOPES[0]: 5e-4, SLOPES[1]: 5e-4}
 """Numbers that are measured without a law, and a step of each that shows [m/s², -, -]."""
+RISE, STEEPEST = 2e-3, 0.2
+"""A step of a slope that is not measured, and the largest one."""
 
 
 class Refit(NamedTuple):
@@ -42,9 +46,22 @@ def scene_at(tosses: Tosses, body: ThrownBody, flight: TossFlight, now: dict[str
     return TossScene(starts, tosses.frames, tosses.dt, plane, now["gravity"], body)
 
 
-def ground_parameter(height: float) -> TossParameter:
-    """Return the height of the ground [m] as something to fit."""
-    return TossParameter("ground", height, 2e-4, -1e3, 1e3, "m")
+def ground_parameters(plane: GroundPlane, levelled: bool) -> tuple[TossParameter, ...]:
+    """Return what is fitted of the ground: its height, and its slopes where resting places do not tell."""
+    height = TossParameter("ground", plane.height, 2e-4, -1e3, 1e3, "m")
+    if not levelled:
+        return (height,)
+    rises = zip(SLOPES, plane.slope.tolist(), strict=True)
+    return (height, *(TossParameter(name, rise, RISE, -STEEPEST, STEEPEST) for name, rise in rises))
+
+
+def tilts(values: dict[str, float], draws: dict[str, FloatArray]) -> dict[str, Estimate]:
+    """Return the ground's tilts [deg], from its slopes and their draws (S,) by name."""
+    out = {}
+    for tilt, slope in zip(("tilt_x", "tilt_y"), SLOPES, strict=True):
+        degrees = np.degrees(np.arctan([values[slope], *draws[slope]]))
+        out[tilt] = estimate_of(degrees[0], degrees[1:], "deg")
+    return out
 
 
 def estimate_of(value: float, draws: FloatArray, unit: str) -> Estimate:
@@ -91,12 +108,10 @@ def refit_body(
         if p.name in found.draws:
             known = here[p.name] + found.draws[p.name] - now[p.name]
             spread[p.name] = wider_draws(spread[p.name], np.clip(known, p.low, p.high))
-    estimates = found.parameters | {p.name: estimate_of(here[p.name], spread[p.name], p.unit) for p in around}
-    degrees = [float(np.degrees(np.arctan(here[name]))) for name in SLOPES]
-    for name, value in zip(("gravity", "tilt_x", "tilt_y"), (here["gravity"], *degrees), strict=True):
-        was = estimates[name]
-        estimates[name] = Estimate(value, min(was.low, value), max(was.high, value), was.unit)
     drawn = found.draws | {p.name: spread[p.name] for p in around}
+    estimates = found.parameters | tilts(here, drawn)
+    for name, unit in (("gravity", "m/s²"), *((p.name, p.unit) for p in around if p.name not in SLOPES)):
+        estimates[name] = estimate_of(here[name], drawn[name], unit)
     refitted = found.at(BodyNumbers(here, drawn, estimates, best.scale))
     return Refit(best.values[:count], best.draws[:, :count], refitted, best)
 
@@ -131,15 +146,17 @@ def simulate_around(
 
 
 def _list_around(found: BodyFit) -> list[TossParameter]:
-    """Return the ground's height and what is fitted of the body."""
-    return [ground_parameter(found.values["ground"]), *found.nominal.parameters]
+    """Return what is fitted of the ground and the body."""
+    ground = GroundPlane(found.values["ground"], np.array([found.values[name] for name in SLOPES]))
+    return [*ground_parameters(ground, found.levelled is not None), *found.nominal.parameters]
 
 
 def _list_measured(found: BodyFit) -> list[TossParameter]:
-    """Return gravity and slopes, each within its 95 % interval."""
-    out = []
+    """Return gravity and slopes that are measured, each within its 95 % interval."""
+    out, free = [], SLOPES if found.levelled is not None else ()
     for name, step in MEASURED.items():
-        value = found.values[name]
-        low, high = np.percentile(found.draws[name], [2.5, 97.5])
-        out.append(TossParameter(name, value, step, min(float(low), value), max(float(high), value)))
+        if name not in free:
+            value = found.values[name]
+            low, high = np.percentile(found.draws[name], [2.5, 97.5])
+            out.append(TossParameter(name, value, step, min(float(low), value), max(float(high), value)))
     return out
