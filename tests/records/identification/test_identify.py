@@ -86,13 +86,18 @@ def test_impacts_tell_the_true_body_from_one_whose_mass_is_in_its_middle(tosses:
         flight = TossFlight(tosses, flying_frames(tosses, places, plane, WIDTH), body.tree, 9.81)
         scene = TossScene(flight.starts, tosses.frames, tosses.dt, plane, 9.81, body)
         noise = (POSITION_NOISE, ROTATION_NOISE)
-        found = first_impacts(tosses, scene, ThrownModel(steps=2), np.array(TRUTH), noise)
+        found = first_impacts(tosses, scene, ThrownModel(steps=2), np.array(TRUTH), noise, (body, plane))
         assert found is not None
         speeds.append(found.median(slice(0, 3))[0])
         likelihoods.append(found.likelihood(found.spreads()).mean())
         floor = found.median(slice(0, 3))[1]
     assert max(speeds[0], 3.0 * floor) < speeds[1]
     assert likelihoods[0] > likelihoods[1] + 1.0
+    # laws that find another ground are judged by the same impacts
+    lower = scene._replace(plane=GroundPlane(plane.height - 0.1 * WIDTH, plane.slope))
+    again = first_impacts(tosses, lower, ThrownModel(steps=2), np.array(TRUTH), noise, (body, plane))
+    assert again is not None
+    np.testing.assert_array_equal(again.which, found.which)
 
 
 def test_a_bodys_inertia_stays_physical_wherever_a_search_goes(tmp_path: Path) -> None:

@@ -171,7 +171,8 @@ def _judge_fit(
     return TossFit(
         simulator.name, fitted | found.parameters, toss_errors(tosses, poses, width, before), test_errors,
         poses, test_poses, found,
-        judged_impacts((tosses, scene), (judged, test_scene), simulator, values, noise), *noise,
+        judged_impacts((tosses, scene), (judged, test_scene), simulator, values, noise, found.first[:2]),
+        *noise,
         refit.result.loss, count / len(tosses), time.perf_counter() - begin, tuple(notes),
     )  # fmt: skip
 

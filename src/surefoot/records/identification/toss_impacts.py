@@ -17,6 +17,8 @@ from scipy import stats
 from scipy.optimize import minimize_scalar
 
 from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.records.identification.ground_plane import GroundPlane
+from surefoot.records.identification.thrown_body import ThrownBody
 from surefoot.records.identification.thrown_body_tree import sphere_places
 from surefoot.records.identification.toss_model import TossModel, TossScene
 from surefoot.records.identification.toss_start import FEWEST, TossFlight, flying_frames
@@ -94,8 +96,9 @@ class Impacts:
 
 
 def first_impacts(
-    tosses: Tosses, scene: TossScene, model: TossModel, values: FloatArray, noise: tuple[float, float]
-) -> Impacts | None:
+    tosses: Tosses, scene: TossScene, model: TossModel, values: FloatArray, noise: tuple[float, float],
+    known: tuple[ThrownBody, GroundPlane],
+) -> Impacts | None:  # fmt: skip
     """Return the errors of a model in the first impacts, None where none is over at once.
 
     Parameters
@@ -106,11 +109,46 @@ def first_impacts(
         What is judged, and its (k,) parameters.
     noise
         Standard deviations of a recorded coordinate [m] and angle [rad].
+    known
+        Body and ground that say when it touches: the same for all laws, which are paired impact by impact.
     """
-    body, tree = scene.body, scene.body.tree
-    places = sphere_places(tree, tosses.poses)
-    before = flying_frames(tosses, places, scene.plane, body.width)
-    low = scene.plane.above(places).min(axis=1) / body.width
+    chosen, begins, counts, before = _find_impacts(tosses, *known)
+    if not chosen.size:
+        return None
+    tree, nv = scene.body.tree, scene.body.tree.masses.size + 5
+    rows = np.concatenate([a + np.arange(n) for a, n in zip(begins, counts, strict=True)])
+    ends = np.concatenate([[0], np.cumsum(counts)])
+    after = Tosses(tosses.states[rows], ends, tosses.dt)
+    flight = TossFlight(after, counts, tree, scene.gravity)
+    frames = begins + counts - tosses.starts[chosen]
+    part = scene._replace(starts=scene.starts[chosen], frames=frames)
+    taken = np.concatenate([end - n + np.arange(n) for end, n in zip(np.cumsum(frames), counts, strict=True)])
+    arrival = TossFlight(tosses.subset(chosen), before, tree, scene.gravity)
+
+    def apart(starts: FloatArray) -> FloatArray:
+        poses = model.rollout(values, part._replace(starts=starts))[taken]
+        return flight.apart(poses)[:, nv:]
+
+    # What the noise of the arrival does to the velocity after, by simulation: an impact is no linear function
+    # of it. The median over a chi-squared one's median is the variance, corners that change their order left
+    # aside.
+    errors, random = apart(part.starts), np.random.default_rng(0)
+    shaken = [apart(arrival.shaken(part.starts, noise, random)) - errors for _ in range(DRAWS)]
+    carried = np.median(np.square(shaken), axis=0) / stats.chi2.median(1)
+    own = flight.deviations(noise)[:, nv:]
+    return Impacts(chosen, errors, np.sqrt(carried + own**2))
+
+
+def _find_impacts(
+    tosses: Tosses, body: ThrownBody, plane: GroundPlane
+) -> tuple[IntArray, IntArray, IntArray, IntArray]:
+    """Return the tosses whose first touch is over at once, with the flights after and before it.
+
+    Of the one after the first row and the number of frames, of the one before the number of frames; all (I,).
+    """
+    places = sphere_places(body.tree, tosses.poses)
+    before = flying_frames(tosses, places, plane, body.width)
+    low = plane.above(places).min(axis=1) / body.width
     which, begins, lengths = [], [], []
     for k, (a, b) in enumerate(zip(tosses.starts[:-1], tosses.starts[1:], strict=True)):
         if before[k] < FEWEST:
@@ -128,36 +166,13 @@ def first_impacts(
             which.append(k)
             begins.append(a + before[k] + first)
             lengths.append(min(length, AFTER))
-    if not which:
-        return None
-    chosen, counts = np.array(which), np.array(lengths)
-    rows = np.concatenate([a + np.arange(n) for a, n in zip(begins, lengths, strict=True)])
-    ends = np.concatenate([[0], np.cumsum(counts)])
-    after = Tosses(tosses.states[rows], ends, tosses.dt)
-    flight = TossFlight(after, counts, tree, scene.gravity)
-    frames = np.array(begins) + counts - tosses.starts[chosen]
-    part = scene._replace(starts=scene.starts[chosen], frames=frames)
-    taken = np.concatenate([end - n + np.arange(n) for end, n in zip(np.cumsum(frames), counts, strict=True)])
-    arrival = TossFlight(tosses.subset(chosen), before[chosen], tree, scene.gravity)
-    nv = tree.masses.size + 5
-
-    def apart(starts: FloatArray) -> FloatArray:
-        poses = model.rollout(values, part._replace(starts=starts))[taken]
-        return flight.apart(poses)[:, nv:]
-
-    # What the noise of the arrival does to the velocity after, by simulation: an impact is no linear function
-    # of it. The median over a chi-squared one's median is the variance, corners that change their order left
-    # aside.
-    errors, random = apart(part.starts), np.random.default_rng(0)
-    shaken = [apart(arrival.shaken(part.starts, noise, random)) - errors for _ in range(DRAWS)]
-    carried = np.median(np.square(shaken), axis=0) / stats.chi2.median(1)
-    own = flight.deviations(noise)[:, nv:]
-    return Impacts(chosen, errors, np.sqrt(carried + own**2))
+    chosen = np.array(which, dtype=np.int64)
+    return chosen, np.array(begins, dtype=np.int64), np.array(lengths, dtype=np.int64), before[chosen]
 
 
 def judged_impacts(
     fitted: tuple[Tosses, TossScene], others: tuple[Tosses, TossScene], simulator: TossModel,
-    values: FloatArray, noise: tuple[float, float],
+    values: FloatArray, noise: tuple[float, float], known: tuple[ThrownBody, GroundPlane],
 ) -> ImpactFit | None:  # fmt: skip
     """Judge a law by impacts in other tosses, or the same; its own spread is that in the fitted ones.
 
@@ -169,11 +184,13 @@ def judged_impacts(
         What is judged, and its (k,) parameters.
     noise
         Standard deviations of a recorded coordinate [m] and angle [rad].
+    known
+        See `first_impacts`.
     """
     if not noise[0] > 0.0:
         return None
-    seen = first_impacts(*fitted, simulator, values, noise)
-    judged = seen if others[0] is fitted[0] else first_impacts(*others, simulator, values, noise)
+    seen = first_impacts(*fitted, simulator, values, noise, known)
+    judged = seen if others[0] is fitted[0] else first_impacts(*others, simulator, values, noise, known)
     if seen is None or judged is None or len(seen.which) < LEAST:
         return None
     logs = judged.likelihood(seen.spreads())
