@@ -1,11 +1,12 @@
 """The search for parameters of a simulator of tosses: a trust region on means over tosses, several starts.
 
-What falls is the robust mean of `toss_loss`. A single toss jumps where a corner lands first, the mean over many
-hardly does, so that differences over steps that show have slopes to go by. They are taken along the principal axes of the curvature: parameters
-that make up for each other leave a valley across them, and single steps see its bend rather than its fall.
-What is left of the jumps are small valleys beside each other. A search therefore looks at points around
-where it ended, single parameters moved and all of them at random, and starts again from the best of them. At
-the end single parameters are moved by a third of a step to twelve steps until none of these moves pays.
+What falls is the robust mean of `toss_loss`. A single toss jumps where a corner lands first, the mean over
+many hardly does, so that differences over steps that show have slopes to go by. They are taken along the
+principal axes of the curvature: parameters that make up for each other leave a valley across them, and single
+steps see its bend rather than its fall. What is left of the jumps are small valleys beside each other. A search
+therefore looks at points around where it ended, single parameters moved and all of them at random, and starts
+again from the best of them. At the end single parameters are moved by a third of a step to twelve steps until
+none of these moves pays.
 
 Intervals are bootstraps over tosses: each sample takes the point that is best for its tosses, of all that the
 search has been at, which is as far away as the loss is rough, and from there the step of the linearised fit,
