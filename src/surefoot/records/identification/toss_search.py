@@ -3,8 +3,8 @@
 What falls is the robust mean of `toss_loss`. A single toss jumps where a corner lands first, the mean over
 many hardly does, so that differences over steps that show have slopes to go by. They are taken along the
 principal axes of the curvature: parameters that make up for each other leave a valley across them, and single
-steps see its bend rather than its fall. What is left of the jumps are small valleys beside each other. A search
-therefore looks at points around where it ended, single parameters moved and all of them at random, and starts
+steps see its bend rather than its fall. What is left of the jumps are small valleys beside each other. So a
+search looks at points around where it ended, single parameters moved and all of them at random, and starts
 again from the best of them. At the end single parameters are moved by a third of a step to twelve steps until
 none of these moves pays.
 
