@@ -259,8 +259,9 @@ def test_tosses_that_were_levelled_one_by_one_stand_upright_again() -> None:
     found = find_levelled(recorded, body)
     assert found is not None
     assert (found.turn * CAMERA).magnitude() < 0.003
-    np.testing.assert_allclose(found.slope, [0.01, -0.02], atol=0.003)
-    boards = GroundPlane(0.0, found.slope), GroundPlane(0.0, np.array([0.01, -0.02]))
+    slope = found.touches.planes(np.ones((1, len(recorded))))[0, 1:]
+    np.testing.assert_allclose(slope, [0.01, -0.02], atol=0.003)
+    boards = GroundPlane(0.0, slope), GroundPlane(0.0, np.array([0.01, -0.02]))
     here, there = found.upright(recorded).poses[:, None, :3], true.poses[:, None, :3]
     off = boards[0].above(here) - boards[1].above(there)
     assert np.abs(off - np.median(off)).max() < 0.0015

@@ -24,7 +24,7 @@ from surefoot.records.identification.relevel_tosses import Levelling, find_level
 from surefoot.records.identification.thrown_body import ThrownBody, TossParameter, cube_body, thrown_body
 from surefoot.records.identification.thrown_body_tree import sphere_places
 from surefoot.records.identification.toss_errors import deviations, resample, toss_errors
-from surefoot.records.identification.toss_fit import SLOPES, BodyFit, Estimate, TossFit
+from surefoot.records.identification.toss_fit import SLOPES, BodyFit, Estimate, TossFit, plane_at
 from surefoot.records.identification.toss_impacts import judged_impacts
 from surefoot.records.identification.toss_model import ThrownModel, TossModel, TossScene
 from surefoot.records.identification.toss_refit import (
@@ -246,7 +246,7 @@ def identify_body(
     if grounded:
         notes.append(f"{grounded} tosses start too near the ground: their first recorded velocity is used")
     estimates = part.estimates | tilts(values, part.draws) | {"gravity": fit.estimates["gravity"]}
-    ground = GroundPlane(values["ground"], np.array([values[name] for name in SLOPES]), clear)
+    ground = plane_at(values, clear)
     return BodyFit(
         known, ground, gravity, estimates, flight, values, part.draws, body, levelled, tuple(notes),
         (known, ground, gravity),

@@ -44,14 +44,11 @@ class Levelling:
         From the recorded axes to upright ones.
     touches
         In upright axes, a place of each toss where it touched, less that where it ended [m].
-    slope
-        (2,) rise of the board per metre along the upright x and y.
     """
 
     body: ThrownBody
     turn: Rotation
     touches: GroundPoints
-    slope: FloatArray
 
     @property
     def note(self) -> str:
@@ -80,8 +77,7 @@ def find_levelled(tosses: Tosses, body: ThrownBody) -> Levelling | None:
         return None
     fall = _fall(tosses, body)
     turn = GroundPlane(0.0, -fall[:2] / fall[2]).rotation.inv()
-    touches = _touches(_turn(tosses, turn), body)
-    return Levelling(body, turn, touches, touches.planes(np.ones((1, len(tosses))))[0, 1:])
+    return Levelling(body, turn, _touches(_turn(tosses, turn), body))
 
 
 def _lowest(corners: FloatArray) -> FloatArray:

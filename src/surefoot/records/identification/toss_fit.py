@@ -9,7 +9,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.drawn import Drawn
-from surefoot.records.identification.ground_plane import GroundPlane
+from surefoot.records.identification.ground_plane import CLEAR, GroundPlane
 from surefoot.records.identification.relevel_tosses import Levelling
 from surefoot.records.identification.thrown_body import ThrownBody
 from surefoot.records.identification.thrown_body_tree import sphere_places
@@ -21,6 +21,11 @@ from surefoot.records.identification.tosses import Tosses
 
 SLOPES = ("slope_x", "slope_y")
 """Names of the ground's slopes among the values of a fit."""
+
+
+def plane_at(values: dict[str, float], clear: float = CLEAR) -> GroundPlane:
+    """Return the ground whose height and slopes are among values by name; see `GroundPlane.clear`."""
+    return GroundPlane(values["ground"], np.array([values[name] for name in SLOPES]), clear)
 
 
 @dataclass(frozen=True)
@@ -92,10 +97,9 @@ class BodyFit(NamedTuple):
     def at(self, numbers: BodyNumbers) -> BodyFit:
         """Return the fit with other numbers, as a law's fit to the same tosses leaves it."""
         values = numbers.values
-        slopes = np.array([values[name] for name in SLOPES])
         return self._replace(
             body=self.nominal.at(values), gravity=values["gravity"],
-            plane=GroundPlane(values["ground"], slopes, self.plane.clear), **numbers._asdict(),
+            plane=plane_at(values, self.plane.clear), **numbers._asdict(),
         )  # fmt: skip
 
     def scene(self, tosses: Tosses) -> TossScene:

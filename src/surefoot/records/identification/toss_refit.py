@@ -18,7 +18,7 @@ from surefoot.base.arrays import FloatArray
 from surefoot.records.identification.ground_plane import GroundPlane
 from surefoot.records.identification.thrown_body import ThrownBody, TossParameter
 from surefoot.records.identification.toss_errors import deviations
-from surefoot.records.identification.toss_fit import SLOPES, BodyFit, BodyNumbers, Estimate
+from surefoot.records.identification.toss_fit import SLOPES, BodyFit, BodyNumbers, Estimate, plane_at
 from surefoot.records.identification.toss_model import TossModel, TossScene
 from surefoot.records.identification.toss_search import SearchResult, search
 from surefoot.records.identification.toss_start import TossFlight
@@ -41,9 +41,8 @@ class Refit(NamedTuple):
 
 def scene_at(tosses: Tosses, body: ThrownBody, flight: TossFlight, now: dict[str, float]) -> TossScene:
     """Return the scene of a body and a ground whose numbers are these, by name."""
-    plane = GroundPlane(now["ground"], np.array([now[name] for name in SLOPES]))
     starts = flight.corrected(body.tree, now["gravity"])
-    return TossScene(starts, tosses.frames, tosses.dt, plane, now["gravity"], body)
+    return TossScene(starts, tosses.frames, tosses.dt, plane_at(now), now["gravity"], body)
 
 
 def ground_parameters(plane: GroundPlane, levelled: bool) -> tuple[TossParameter, ...]:
@@ -147,15 +146,14 @@ def simulate_around(
 
 def _list_around(found: BodyFit) -> list[TossParameter]:
     """Return what is fitted of the ground and the body."""
-    ground = GroundPlane(found.values["ground"], np.array([found.values[name] for name in SLOPES]))
-    return [*ground_parameters(ground, found.levelled is not None), *found.nominal.parameters]
+    return [*ground_parameters(found.plane, found.levelled is not None), *found.nominal.parameters]
 
 
 def _list_measured(found: BodyFit) -> list[TossParameter]:
     """Return gravity and slopes that are measured, each within its 95 % interval."""
-    out, free = [], SLOPES if found.levelled is not None else ()
+    out, around = [], {p.name for p in _list_around(found)}
     for name, step in MEASURED.items():
-        if name not in free:
+        if name not in around:
             value = found.values[name]
             low, high = np.percentile(found.draws[name], [2.5, 97.5])
             out.append(TossParameter(name, value, step, min(float(low), value), max(float(high), value)))
