@@ -23,6 +23,7 @@ from surefoot.records.identification.toss_model import ThrownModel
 from surefoot.records.identification.tosses import Tosses
 
 LAWS = [ThrownModel("rigid", steps=1), ThrownModel("newton", steps=1)]
+GROWTH = np.array([[1e-3, 2e-3], [3e-3, 2e-3]])
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +42,7 @@ def fitted(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         seen.append(model.name)
         errors = TossErrors(*(k + test.states[test.starts[:-1], 0] for k in range(3)))
         estimate = Estimate(float(len(test)), -1.0, 7.5, "m")
-        numbers = BodyNumbers({"mu": 0.1}, {"mu": np.arange(3.0)}, {"mu": estimate}, None)
+        numbers = BodyNumbers({"mu": 0.1}, {"mu": np.arange(3.0)}, {"mu": estimate}, None, GROWTH)
         body = found or SimpleNamespace(numbers=numbers)
         return SimpleNamespace(found=body, test=errors, parameters={"mu": estimate})
 
@@ -69,6 +70,7 @@ def test_what_is_there_is_read_and_the_rest_is_judged(
         assert kept["rigid"].numbers.parameters == law["rigid"].numbers.parameters
         assert kept["rigid"].numbers.values == law["rigid"].numbers.values
         assert kept["rigid"].numbers.scale is None
+        np.testing.assert_array_equal(kept["rigid"].numbers.growth, GROWTH)
         np.testing.assert_array_equal(kept["rigid"].numbers.draws["mu"], np.arange(3.0))
 
 

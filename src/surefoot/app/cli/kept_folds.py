@@ -20,7 +20,7 @@ from surefoot.records.identification.toss_fit import BodyNumbers, Estimate
 from surefoot.records.identification.toss_model import TossModel
 from surefoot.records.identification.tosses import Tosses
 
-KIND = 2
+KIND = 3
 """Of what is kept: another one for each change of what a fit finds, so that no table mixes two kinds."""
 
 
@@ -141,7 +141,8 @@ def _write(place: Path, judged: JudgedLaw) -> None:
     arrays |= {f"draw/{name}": draws for name, draws in numbers.draws.items()}
     arrays |= {f"estimate/{name}": np.array(astuple(e)[:3]) for name, e in numbers.parameters.items()}
     arrays |= {f"unit/{name}": np.array(e.unit) for name, e in numbers.parameters.items()}
-    arrays["scale/"] = np.empty(0) if numbers.scale is None else numbers.scale
+    for name, own in (("scale", numbers.scale), ("growth", numbers.growth)):
+        arrays[f"{name}/"] = np.empty(0) if own is None else own
     draft = place.with_name(f"{place.stem}.{os.getpid()}.part")
     with draft.open("wb") as file:
         np.savez(file, **arrays)
@@ -161,6 +162,6 @@ def _read(place: Path) -> JudgedLaw:
         name: Estimate(float(value), float(low), float(high), str(units[name]))
         for name, (value, low, high) in parts["estimate"].items()
     }
-    scale = parts["scale"][""]
-    numbers = BodyNumbers(values, parts["draw"], estimates, scale if scale.size else None)
+    loss = (parts[name][""] for name in ("scale", "growth"))
+    numbers = BodyNumbers(values, parts["draw"], estimates, *(own if own.size else None for own in loss))
     return JudgedLaw(TossErrors(**parts["error"]), found, numbers)

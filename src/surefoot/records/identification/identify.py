@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from surefoot.base.arrays import FloatArray, IntArray, whole_number
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot
+from surefoot.records.identification.frame_weights import error_growth, frame_weights, frames_since
 from surefoot.records.identification.ground_plane import CLEAR, GroundPlane, ground_points
 from surefoot.records.identification.relevel_tosses import Levelling, find_levelled
 from surefoot.records.identification.thrown_body import ThrownBody, TossParameter, cube_body, thrown_body
@@ -117,15 +119,8 @@ def identify(
     if found is None:
         found = _find_body(tosses, _body_of_tosses(model, tosses, others), simulator, draws, tick)
     tosses = found.upright(tosses)
-    scene, before, own = found.scene(tosses), found.before(tosses), simulator.parameters
-    values = np.array([found.values.get(p.name, p.start) for p in own])
-    starts, known = (values,), all(p.name in found.values for p in own)
-    for horizon in (len(tosses.states),) if known else (LATER, len(tosses.states)):
-        scale = found.scale if horizon > LATER else None
-        ends, sizes = before + horizon, (found.first[0].width, found.first[0].arm)
-        best = _search_law(tosses, simulator, scene, ends, (values, *starts), (scale, *sizes), draws, tick)
-        values = best.values
-    refit = refit_body(tosses, simulator, found._replace(scale=best.scale), values, draws, tick)
+    values, found = _fit_law(tosses, simulator, found, draws, tick)
+    refit = refit_body(tosses, simulator, found, values, draws, tick)
     notes = list(found.notes)
     if not refit.result.settled:
         notes.append(f"{simulator.name}: the search did not settle; take the intervals as too narrow")
@@ -186,25 +181,64 @@ def _body_of_tosses(model: Robot | str | Path | None, tosses: Tosses, others: To
     return body
 
 
+def _fit_law(
+    tosses: Tosses, simulator: TossModel, found: BodyFit, draws: FloatArray, tick: Callable[[float], None]
+) -> tuple[FloatArray, BodyFit]:
+    """Return a law's values (d,) on all frames, the body held, and the body with the loss that they have."""
+    own, scene, before = simulator.parameters, found.scene(tosses), found.before(tosses)
+    measure = _Measure(found.first[0].width, found.first[0].arm)
+    first = values = np.array([found.values.get(p.name, p.start) for p in own])
+    if not all(p.name in found.values for p in own):
+        early = before + LATER
+        values = _search_law(tosses, simulator, scene, early, (values, first), measure, draws, tick).values
+    since, growth = frames_since(tosses.frames, before), found.growth
+    rows = measure.deviations(tosses, simulator.rollout(values, scene))
+    if growth is None:
+        growth = error_growth(rows, since)
+    measure = measure._replace(scale=found.scale, weights=frame_weights(growth, since, rows.shape[1]))
+    best = _search_law(tosses, simulator, scene, tosses.frames, (values, first), measure, draws, tick)
+    return best.values, found._replace(scale=best.scale, growth=growth)
+
+
+class _Measure(NamedTuple):
+    """What a search for a law measures tosses by.
+
+    Attributes
+    ----------
+    width, arm
+        Their unit [m], and by how much a turn counts [m].
+    scale
+        Errors (G,) from which the loss is robust; None for the median ones at the start.
+    weights
+        (N, m) of deviations; None for 1.
+    """
+
+    width: float
+    arm: float
+    scale: FloatArray | None = None
+    weights: FloatArray | None = None
+
+    def deviations(self, tosses: Tosses, poses: FloatArray) -> FloatArray:
+        """Return (N, m) deviations of poses (N, nq), weighed."""
+        rows = deviations(tosses, poses, self.width, self.arm)
+        return rows if self.weights is None else rows * self.weights
+
+
 def _search_law(
     tosses: Tosses, simulator: TossModel, scene: TossScene, ends: IntArray, starts: Sequence[FloatArray],
-    measure: tuple[FloatArray | None, float, float], draws: FloatArray, tick: Callable[[float], None],
+    measure: _Measure, draws: FloatArray, tick: Callable[[float], None],
 ) -> SearchResult:  # fmt: skip
-    """Fit a law to the frames before (B,) ends, from several starts (d,); the body is held.
-
-    The loss is robust from errors (G,) on, and in widths [m], a turn counts by an arm [m]: the `measure`.
-    """
-    scale, *sizes = measure
+    """Fit a law to the frames before (B,) ends, from several starts (d,); the body is held."""
     part = tosses.until(ends)
     here = scene._replace(frames=part.frames)
 
     def simulate(values: FloatArray) -> FloatArray:
         tick(len(part.states) / len(tosses.states) * len(tosses))
-        return deviations(part, simulator.rollout(values, here), *sizes)
+        return measure.deviations(part, simulator.rollout(values, here))
 
     first, *others = starts
     return search(
-        simulate, simulator.parameters, first, part.frames, draws, others=others, scale=scale
+        simulate, simulator.parameters, first, part.frames, draws, others=others, scale=measure.scale
     )  # fmt: skip
 
 

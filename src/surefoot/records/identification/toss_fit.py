@@ -39,12 +39,13 @@ class Estimate:
 
 
 class BodyNumbers(NamedTuple):
-    """What a law's fit changes of a `BodyFit`: `values`, `draws`, `parameters` and `scale` there."""
+    """What a law's fit changes of a `BodyFit`: `values`, `draws`, `parameters`, `scale`, `growth` there."""
 
     values: dict[str, float]
     draws: dict[str, FloatArray]
     parameters: dict[str, Estimate]
     scale: FloatArray | None
+    growth: FloatArray | None
 
 
 class BodyFit(NamedTuple):
@@ -74,6 +75,8 @@ class BodyFit(NamedTuple):
         Body, ground and gravity by which first touches and first states were found: those before a law's fit.
     scale
         (G,) from which errors a loss is robust [widths], see `toss_loss`: of all laws; None before the first.
+    growth
+        (T, G) by which frames are weighed, see `frame_weights`: of all laws, too; None before the first.
     """
 
     body: ThrownBody
@@ -88,11 +91,12 @@ class BodyFit(NamedTuple):
     notes: tuple[str, ...]
     first: tuple[ThrownBody, GroundPlane, float]
     scale: FloatArray | None = None
+    growth: FloatArray | None = None
 
     @property
     def numbers(self) -> BodyNumbers:
         """What `at` takes to find this fit again from one to the same tosses."""
-        return BodyNumbers(self.values, self.draws, self.parameters, self.scale)
+        return BodyNumbers(self.values, self.draws, self.parameters, self.scale, self.growth)
 
     def at(self, numbers: BodyNumbers) -> BodyFit:
         """Return the fit with other numbers, as a law's fit to the same tosses leaves it."""

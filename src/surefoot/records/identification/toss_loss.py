@@ -1,11 +1,12 @@
 """What a search lowers: how far simulated tosses are from recorded ones, robust against those that part.
 
-A row of deviations has places in its first three columns, turns and joints in the others. Of each of these
-two kinds every toss has an error e, the root mean square over its frames, made robust as sqrt(c² + e²) - c
-with the median error of the kind for c: a square for tosses that fit, the distance itself for those that end
-on another face. The loss is the mean over tosses of the sum over both kinds, turns shared so that their c is
-as much as that of places. For a toss on another face is as far off in its turn as it can be, but where it
-slid to still tells friction and restitution: in one error of both, turns drown places.
+A row of deviations has places in its first three columns, turns and joints in the others; rows of whole
+tosses come weighed (`frame_weights`). Of each of these two kinds every toss has an error e, the root mean
+square over its frames, made robust as sqrt(c² + e²) - c with the median error of the kind for c: a square
+for tosses that fit, the distance itself for those that end on another face. The loss is the mean over
+tosses of the sum over both kinds, turns shared so that their c is as much as that of places. For a toss on
+another face is as far off in its turn as it can be, but where it slid to still tells friction and
+restitution: in one error of both, turns drown places.
 
 It is soft-L1 of a whole toss, which `least_squares` [1]_ knows for single numbers only: so the deviations of
 a toss are scaled until their squares add up to it.

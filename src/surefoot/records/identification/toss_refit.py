@@ -15,10 +15,11 @@ from typing import NamedTuple
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
+from surefoot.records.identification.frame_weights import frame_weights, frames_since
 from surefoot.records.identification.ground_plane import GroundPlane
 from surefoot.records.identification.thrown_body import ThrownBody, TossParameter
 from surefoot.records.identification.toss_errors import deviations
-from surefoot.records.identification.toss_fit import SLOPES, BodyFit, BodyNumbers, Estimate, plane_at
+from surefoot.records.identification.toss_fit import SLOPES, BodyFit, Estimate, plane_at
 from surefoot.records.identification.toss_model import TossModel, TossScene
 from surefoot.records.identification.toss_search import SearchResult, search
 from surefoot.records.identification.toss_start import TossFlight
@@ -82,7 +83,7 @@ def refit_body(
     simulator, values
         The law, and (d,) where its parameters are.
     found
-        The body so far; its `scale` is the loss's.
+        The body so far; its `scale` and `growth` are the loss's.
     draws
         (S, B) weights of the tosses in each bootstrap sample.
     tick
@@ -111,7 +112,7 @@ def refit_body(
     estimates = found.parameters | tilts(here, drawn)
     for name, unit in (("gravity", "m/s²"), *((p.name, p.unit) for p in around if p.name not in SLOPES)):
         estimates[name] = estimate_of(here[name], drawn[name], unit)
-    refitted = found.at(BodyNumbers(here, drawn, estimates, best.scale))
+    refitted = found.at(found.numbers._replace(values=here, draws=drawn, parameters=estimates))
     return Refit(best.values[:count], best.draws[:, :count], refitted, best)
 
 
@@ -128,18 +129,21 @@ def list_parameters(simulator: TossModel, found: BodyFit) -> list[TossParameter]
 def simulate_around(
     tosses: Tosses, simulator: TossModel, found: BodyFit
 ) -> Callable[[FloatArray], FloatArray]:
-    """Return what maps values of `list_parameters` to deviations (N, m); tosses are upright.
+    """Return what maps values of `list_parameters` to deviations (N, m), weighed; tosses are upright.
 
     They are in widths of the body as it was first found, whatever a law made of it since: of every law alike.
     """
     count, width, arm = len(simulator.parameters), found.first[0].width, found.first[0].arm
     names = [p.name for p in list_parameters(simulator, found)]
-    flight = TossFlight(tosses, found.before(tosses), found.first[0].tree, found.first[2])
+    before = found.before(tosses)
+    flight = TossFlight(tosses, before, found.first[0].tree, found.first[2])
+    since = frames_since(tosses.frames, before)
 
     def simulate(point: FloatArray) -> FloatArray:
         here = dict(zip(names[count:], point[count:].tolist(), strict=True))
         scene = scene_at(tosses, found.nominal.at(here), flight, here)
-        return deviations(tosses, simulator.rollout(point[:count], scene), width, arm)
+        rows = deviations(tosses, simulator.rollout(point[:count], scene), width, arm)
+        return rows if found.growth is None else rows * frame_weights(found.growth, since, rows.shape[1])
 
     return simulate
 
