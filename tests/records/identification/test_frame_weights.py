@@ -46,6 +46,12 @@ def test_growth_is_the_median_toss_and_never_falls(since: np.ndarray) -> None:
     np.testing.assert_array_equal(growth[AFTER:], np.tile(growth[AFTER - 1], (AFTER, 1)))
 
 
+def test_tosses_that_are_lost_leave_the_median_a_number(since: np.ndarray) -> None:
+    rows = growing(since)
+    rows[::5] = np.nan
+    assert np.isfinite(error_growth(rows, since)).all()
+
+
 def test_weights_keep_the_unit_and_take_half_of_the_growth_away(since: np.ndarray) -> None:
     rows = growing(since)
     growth = error_growth(rows, since)

@@ -17,7 +17,7 @@ from surefoot.records.identification.identify import identify
 from surefoot.records.identification.relevel_tosses import find_levelled
 from surefoot.records.identification.thrown_body import TossParameter, cube_body, thrown_body
 from surefoot.records.identification.thrown_body_tree import sphere_places
-from surefoot.records.identification.toss_errors import paired_difference, resample, toss_errors
+from surefoot.records.identification.toss_errors import LOST, paired_difference, resample, toss_errors
 from surefoot.records.identification.toss_fit import TossFit
 from surefoot.records.identification.toss_impacts import first_impacts
 from surefoot.records.identification.toss_model import ThrownModel, TossScene
@@ -98,6 +98,20 @@ def test_impacts_tell_the_true_body_from_one_whose_mass_is_in_its_middle(tosses:
     again = first_impacts(tosses, lower, ThrownModel(steps=2), np.array(TRUTH), noise, (body, plane))
     assert again is not None
     np.testing.assert_array_equal(again.which, found.which)
+    lost = first_impacts(tosses, scene, LostToss(steps=2), np.array(TRUTH), noise, (body, plane))
+    assert lost is not None
+    np.testing.assert_array_equal(lost.which, found.which)
+    np.testing.assert_array_equal(lost.errors[0], LOST)
+    np.testing.assert_array_equal(lost.errors[1:], found.errors[1:])
+
+
+class LostToss(ThrownModel):
+    """The same law, but that the first toss of a scene blows up."""
+
+    def rollout(self, values: FloatArray, scene: TossScene) -> FloatArray:
+        poses = super().rollout(values, scene)
+        poses[1 : scene.frames[0]] = np.nan
+        return poses
 
 
 def test_a_bodys_inertia_stays_physical_wherever_a_search_goes(tmp_path: Path) -> None:

@@ -81,6 +81,20 @@ def test_threads_change_no_pose(name: str) -> None:
         ThrownModel(threads=0)
 
 
+def test_a_toss_that_blows_up_in_mujoco_is_lost_and_says_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """MuJoCo begins such a simulation anew, and writes of it to stderr and into the working folder."""
+    monkeypatch.chdir(tmp_path)
+    slow, fast = ([0.1, 0.2, 1.5, 0.0, 0.0, 0.0, 1.0, v, 0.0, 0.0, 0.0, 0.0, 0.0] for v in (0.5, 1e11))
+    values, throw = np.array(STIFF["mujoco"]), rival("mujoco").rollout
+    both = throw(values, scene(slow, fast)).reshape(2, 40, 7)
+    np.testing.assert_array_equal(both[0], throw(values, scene(slow)))
+    assert np.isnan(both[1, 1:]).all()
+    assert not [*tmp_path.iterdir()]
+    assert capfd.readouterr() == ("", "")
+
+
 @pytest.mark.parametrize("name", RIVALS)
 def test_a_lopsided_jointed_bodys_flight_is_the_same(name: str, tmp_path: Path) -> None:
     path = tmp_path / "elbow.urdf"

@@ -45,6 +45,11 @@ def deviations(tosses: Tosses, poses: FloatArray, width: float, arm: float) -> F
     return out / width
 
 
+def within_lost(rows: FloatArray) -> FloatArray:
+    """Return deviations of any shape cut off at `LOST`, NaN as `LOST`."""
+    return np.asarray(np.clip(np.nan_to_num(rows, nan=LOST), -LOST, LOST))
+
+
 def toss_errors(tosses: Tosses, poses: FloatArray, width: float, before: IntArray) -> TossErrors:
     """Return the errors of (N, nq) poses, row by row those of the tosses of a body so wide [m].
 

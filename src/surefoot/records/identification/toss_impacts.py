@@ -20,6 +20,7 @@ from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.records.identification.ground_plane import GroundPlane
 from surefoot.records.identification.thrown_body import ThrownBody
 from surefoot.records.identification.thrown_body_tree import sphere_places
+from surefoot.records.identification.toss_errors import LOST
 from surefoot.records.identification.toss_model import TossModel, TossScene
 from surefoot.records.identification.toss_start import FEWEST, TossFlight, flying_frames
 from surefoot.records.identification.tosses import Tosses
@@ -127,7 +128,10 @@ def first_impacts(
 
     def apart(starts: FloatArray) -> FloatArray:
         poses = model.rollout(values, part._replace(starts=starts))[taken]
-        return flight.apart(poses)[:, nv:]
+        good = np.isfinite(poses).all(axis=1)
+        found = flight.apart(np.where(good[:, None], poses, after.poses))[:, nv:]
+        found[~np.logical_and.reduceat(good, ends[:-1])] = LOST
+        return found
 
     # What the noise of the arrival does to the velocity after, by simulation: an impact is no linear function
     # of it. The median over a chi-squared one's median is the variance, corners that change their order left

@@ -13,6 +13,7 @@ from surefoot.base.spatial import quaternion_wxyz, quaternion_xyzw
 from surefoot.mechanics import Solid
 from surefoot.records import FRICTION, ThrownBody, TossParameter, TossScene
 from surefoot.worlds.experiments.thrown_links import steps_between
+from surefoot.worlds.mujoco.engine_warnings import engine_warnings
 from surefoot.worlds.mujoco.spec import import_mujoco
 
 _MODEL = """
@@ -60,7 +61,7 @@ class MujocoBody:
         return MujocoBody, (self._threads,)
 
     def rollout(self, values: FloatArray, scene: TossScene) -> FloatArray:
-        """Return (sum of frames, nq) positions [m], quaternions and joints."""
+        """Return (sum of frames, nq) positions [m], quaternions and joints; NaN where a toss blew up."""
         steps = steps_between(scene.dt)
         model = self._mujoco.MjModel.from_xml_string(_MODEL.format(**_settings(values, scene, steps)))
         nq, ends = int(model.nq), np.append(0, np.cumsum(scene.frames))
@@ -70,6 +71,9 @@ class MujocoBody:
         rates[:] = Rotation.from_quat(turns).inv().apply(rates)
         turns[:] = quaternion_wxyz(turns)
 
+        kinds = self._mujoco.mjtWarning
+        blown = [int(kind) for kind in (kinds.mjWARN_BADQPOS, kinds.mjWARN_BADQVEL, kinds.mjWARN_BADQACC)]
+
         def work(a: int, b: int) -> None:
             data = self._mujoco.MjData(model)
             for i in range(a, b):
@@ -78,9 +82,13 @@ class MujocoBody:
                 poses[ends[i]] = data.qpos
                 for k in range(ends[i] + 1, ends[i + 1]):
                     self._mujoco.mj_step(model, data, steps)
+                    if data.warning.number[blown].any():  # MuJoCo has begun anew, from the origin
+                        poses[k : ends[i + 1]] = np.nan
+                        break
                     poses[k] = data.qpos
 
-        in_ranges(work, len(starts), self._threads)
+        with engine_warnings():
+            in_ranges(work, len(starts), self._threads)
         poses[:, 3:7] = quaternion_xyzw(poses[:, 3:7])
         return poses[:, body.columns]
 
