@@ -20,7 +20,7 @@ from surefoot.records.identification.toss_fit import BodyNumbers, Estimate
 from surefoot.records.identification.toss_model import TossModel
 from surefoot.records.identification.tosses import Tosses
 
-KIND = 3
+KIND = 4
 """Of what is kept: another one for each change of what a fit finds, so that no table mixes two kinds."""
 
 

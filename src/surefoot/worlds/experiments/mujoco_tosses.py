@@ -50,7 +50,7 @@ class MujocoBody:
         TossParameter("solref_time", 0.01, 5e-4, 0.002, 0.1, "s"),
         TossParameter("solref_ratio", 0.5, 0.03, 0.05, 5.0),
         TossParameter("solimp_least", 0.8, 0.02, 0.05, 0.98),
-        TossParameter("solimp_most", 0.95, 0.01, 0.6, 0.999),
+        TossParameter("solimp_most", 0.95, 0.01, 0.05, 0.999),
     )
 
     def __init__(self, threads: int = 1) -> None:
