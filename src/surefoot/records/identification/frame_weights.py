@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
-from surefoot.records.identification.toss_errors import within_lost
+from surefoot.records.identification.toss_errors import clip_deviations
 from surefoot.records.identification.toss_loss import FLOOR, PLACES
 
 POWER = 0.5
@@ -36,7 +36,7 @@ def error_growth(rows: FloatArray, since: IntArray) -> FloatArray:
 
     Of places and of turns, from deviations (N, m) and what `frames_since` says of them; it never falls.
     """
-    rows, kinds = within_lost(rows), (slice(0, PLACES), slice(PLACES, None))
+    rows, kinds = clip_deviations(rows), (slice(0, PLACES), slice(PLACES, None))
     sizes = np.stack([np.linalg.norm(rows[:, part], axis=1) for part in kinds], axis=1)
     growth = np.full((max(int(since.max()), 0) + 1, 2), FLOOR)
     for time in range(len(growth)):

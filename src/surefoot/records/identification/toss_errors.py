@@ -45,8 +45,8 @@ def deviations(tosses: Tosses, poses: FloatArray, width: float, arm: float) -> F
     return out / width
 
 
-def within_lost(rows: FloatArray) -> FloatArray:
-    """Return deviations of any shape cut off at `LOST`, NaN as `LOST`."""
+def clip_deviations(rows: FloatArray) -> FloatArray:
+    """Return deviations (N, m) cut off at `LOST`, NaN as `LOST`."""
     return np.asarray(np.clip(np.nan_to_num(rows, nan=LOST), -LOST, LOST))
 
 

@@ -24,7 +24,7 @@ from scipy.optimize import least_squares
 
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.records.identification.thrown_body import TossParameter
-from surefoot.records.identification.toss_errors import within_lost
+from surefoot.records.identification.toss_errors import clip_deviations
 from surefoot.records.identification.toss_loss import (
     Deviations,
     Slopes,
@@ -124,7 +124,7 @@ def search(
     fixed, values = values[count:], np.clip(values[:count], low, high)
 
     def rows(values: FloatArray, others: FloatArray = fixed) -> FloatArray:
-        return within_lost(simulate(np.concatenate([values, others])))
+        return clip_deviations(simulate(np.concatenate([values, others])))
 
     valley = _Valley(rows, frames, (low, high), steps, values, scale)
     for other in others:
