@@ -192,10 +192,9 @@ def _fit_law(
         early = before + LATER
         values = _search_law(tosses, simulator, scene, early, (values, first), measure, draws, tick).values
     since, growth = frames_since(tosses.frames, before), found.growth
-    rows = measure.deviations(tosses, simulator.rollout(values, scene))
     if growth is None:
-        growth = error_growth(rows, since)
-    measure = measure._replace(scale=found.scale, weights=frame_weights(growth, since, rows.shape[1]))
+        growth = error_growth(measure.deviations(tosses, simulator.rollout(values, scene)), since)
+    measure = measure._replace(scale=found.scale, weights=frame_weights(growth, since, 6 + tosses.joints))
     best = _search_law(tosses, simulator, scene, tosses.frames, (values, first), measure, draws, tick)
     return best.values, found._replace(scale=best.scale, growth=growth)
 

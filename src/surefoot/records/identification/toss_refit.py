@@ -137,13 +137,14 @@ def simulate_around(
     names = [p.name for p in list_parameters(simulator, found)]
     before = found.before(tosses)
     flight = TossFlight(tosses, before, found.first[0].tree, found.first[2])
-    since = frames_since(tosses.frames, before)
+    since, growth = frames_since(tosses.frames, before), found.growth
+    weights = None if growth is None else frame_weights(growth, since, 6 + tosses.joints)
 
     def simulate(point: FloatArray) -> FloatArray:
         here = dict(zip(names[count:], point[count:].tolist(), strict=True))
         scene = scene_at(tosses, found.nominal.at(here), flight, here)
         rows = deviations(tosses, simulator.rollout(point[:count], scene), width, arm)
-        return rows if found.growth is None else rows * frame_weights(found.growth, since, rows.shape[1])
+        return rows if weights is None else rows * weights
 
     return simulate
 
