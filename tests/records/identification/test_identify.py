@@ -17,7 +17,13 @@ from surefoot.records.identification.identify import identify
 from surefoot.records.identification.relevel_tosses import find_levelled
 from surefoot.records.identification.thrown_body import TossParameter, cube_body, thrown_body
 from surefoot.records.identification.thrown_body_tree import sphere_places
-from surefoot.records.identification.toss_errors import LOST, paired_difference, resample, toss_errors
+from surefoot.records.identification.toss_errors import (
+    LOST,
+    deviations,
+    paired_difference,
+    resample,
+    toss_errors,
+)
 from surefoot.records.identification.toss_fit import TossFit
 from surefoot.records.identification.toss_impacts import first_impacts
 from surefoot.records.identification.toss_model import ThrownModel, TossScene
@@ -321,6 +327,20 @@ def test_errors_of_a_shifted_copy() -> None:
     assert toss_errors(tosses, poses, WIDTH, np.full(3, 20)).position[1] == pytest.approx(
         (10.0 + 0.1 * 109) / 110
     )
+
+
+def test_a_row_of_a_toss_that_blew_up_has_no_deviation() -> None:
+    """SciPy refuses a turn of NaN, and so half an hour's fit of MuJoCo's contact had ended."""
+    tosses = random_tosses(3, TRUTH, seed=1, steps=1)
+    poses = tosses.poses.copy()
+    poses[:, 0] += 0.1
+    poses[tosses.starts[1] + 5 : tosses.starts[2]] = np.nan
+    poses[tosses.starts[2], 2] = np.inf
+    rows = deviations(tosses, poses, WIDTH, 0.5 * WIDTH)
+    lost = np.flatnonzero(np.isnan(rows).any(axis=1))
+    assert lost.tolist() == list(range(tosses.starts[1] + 5, tosses.starts[2] + 1))
+    assert np.isnan(rows[lost]).all()
+    np.testing.assert_allclose(np.delete(rows, lost, axis=0)[:, 0], 0.1 / WIDTH)
 
 
 def test_paired_differences_have_their_sign_and_their_interval() -> None:

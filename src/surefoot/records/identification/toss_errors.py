@@ -39,10 +39,12 @@ def deviations(tosses: Tosses, poses: FloatArray, width: float, arm: float) -> F
     """Return (N, 6 + joints) how far poses (N, nq) are from the recorded ones, in widths of the body.
 
     A turn counts by the way of an arm [m], so that the square of a row is the corners' mean square distance.
+    Rows of poses that are not finite, of a toss that blew up, are NaN.
     """
-    out = pose_differences(poses, tosses.poses)
+    good = np.all(np.isfinite(poses), axis=1)[:, None]
+    out = pose_differences(np.where(good, poses, tosses.poses), tosses.poses)  # SciPy refuses NaN for a turn
     out[:, 3:] *= arm
-    return out / width
+    return np.where(good, out / width, np.nan)
 
 
 def clip_deviations(rows: FloatArray) -> FloatArray:
@@ -55,15 +57,11 @@ def toss_errors(tosses: Tosses, poses: FloatArray, width: float, before: IntArra
 
     `before` (B,) are the frames before the first touch.
     """
-    good = np.asarray(np.all(np.isfinite(poses), axis=1))
-    poses = np.where(good[:, None], poses, tosses.poses)
     rows = deviations(tosses, poses, width, width)
-    away = np.where(good, np.linalg.norm(rows[:, :3], axis=1), LOST)
-    turned = np.degrees(np.linalg.norm(rows[:, 3:6], axis=1))
+    away = np.nan_to_num(np.linalg.norm(rows[:, :3], axis=1), nan=LOST)
+    turned = np.nan_to_num(np.degrees(np.linalg.norm(rows[:, 3:6], axis=1)), nan=180.0)
     late = np.minimum(before + round(EARLY / tosses.dt), tosses.frames - 1)
-    position, rotation = (
-        np.add.reduceat(e, tosses.starts[:-1]) / tosses.frames for e in (away, np.where(good, turned, 180.0))
-    )
+    position, rotation = (np.add.reduceat(e, tosses.starts[:-1]) / tosses.frames for e in (away, turned))
     return TossErrors(position, rotation, away[tosses.starts[:-1] + late])
 
 
