@@ -3,8 +3,10 @@
 Coulomb's law is not monotone, so its central path may turn back for a while, or nearly: within a hundredth of
 the gap contacts go over from sticking to sliding, and steps that aim at a smaller gap end at the border of
 the cones. Seen as a curve of points and log gaps it is smooth. A step has two parts with one factorised
-matrix: back to the path, orthogonal to it, and on along its tangent. Lengths and angles are those of the
-scaled variables over the root of the gap, in which the border is about one away.
+matrix: back to the path, orthogonal to it, and on along its tangent. A third tells how the products of the
+cones bend them, by Mehrotra's second order: it is gone along where it is short, and shortens a step that only
+goes back where it is long. Lengths and angles are those of the scaled variables over the root of the gap, in
+which the border is about one away.
 
 Walls of equal bricks are symmetric, and their paths branch. With unequal shares of the gap, a contact each,
 none does: there the sign of the determinant tells which way is on, however sharply the path turns.
@@ -33,10 +35,12 @@ from surefoot.contact.solvers.reduced_system import Factors, Rows
 
 NEAR = 1.0
 """Distance to the path above which a step only goes back to it."""
-BACK, ON = 0.5, 0.7
+BACK, ON = 0.9, 0.7
 """Shares of the way to the border that a step takes back to the path, and on along it."""
 OFF_PATH, OFF_PATH_FAR = 0.05, 0.01
 """Least centrality after a step near the path, and after one that only goes back to it."""
+MOST_BENT = 1.0
+"""Length of a step's bend up to which it is gone along: of longer ones second order knows too little."""
 TURNING = 5.0
 """Times the length of a tangent, over that of a path whose contacts keep their modes, above which the path
 may turn: then it goes on as it went, else the gap falls."""
@@ -90,6 +94,43 @@ def _inner(one: FloatArray, two: FloatArray) -> float:
     return total
 
 
+@inline_kernel
+def _fill_bend(
+    factors: Factors, rows: Rows, point: Iterate, scaling: Scaling, gap: float,
+    step: tuple[FloatArray, FloatArray], own: FloatArray, bx: FloatArray, by: FloatArray,
+) -> float:  # fmt: skip
+    """Fill bx, by (n, 3) with how the cones' products bend a step of x and y (n, 3); return their length.
+
+    A share t of the step ends at t times the step and t² times its bend. `own` (n, 3) is the aim of no step.
+    """
+    axes, scaled, weights = scaling
+    space = np.zeros((3, *own.shape))
+    aim, none, moved = space[0], space[1], space[2]
+    aim_pairs(axes, scaled, step[0], step[1], 0.0, 1.0, aim)
+    aim -= own
+    fill_direction(factors, rows, weights, axes, point.y, 1.0, aim, none, moved, bx, by, 0)
+    out = np.empty((2, *own.shape))
+    _scale_steps(axes, gap, bx, by, out)
+    return math.sqrt(_inner(out, out))
+
+
+@inline_kernel
+def _arrive(
+    point: Iterate, step: tuple[FloatArray, FloatArray], bend: tuple[FloatArray, FloatArray], length: float,
+    least: float, after: Iterate,
+) -> float:  # fmt: skip
+    """Fill the point after a length of a step that bends, shortened until it is as central; return that."""
+    x, border_x, y, border_y = point
+    while length > SHORTEST:
+        dx, dy = step[0] + length * bend[0], step[1] + length * bend[1]
+        inside = move_points(x, border_x, dx, length, after.x, after.border_x)
+        inside = move_points(y, border_y, dy, length, after.y, after.border_y) and inside
+        if inside and centrality(after.x, after.border_x, after.y, after.border_y) >= least:
+            return length
+        length *= SHORTER
+    return 0.0
+
+
 @kernel
 def path_step(
     factors: Factors, rows: Rows, point: Iterate, residual: FloatArray, scaling: Scaling, gap: float,
@@ -140,15 +181,14 @@ def path_step(
     cx[:] = back * cx + on * tx
     cy[:] = back * cy + on * ty
     log = on * sign / size - back * part
+    bend = _fill_bend(factors, rows, point, scaling, gap, (cx, cy), own, tx, ty)
+    length = 1.0 if on > 0.0 or bend == 0.0 else min(1.0, back * off / bend)
+    if not bend <= MOST_BENT:
+        tx[:], ty[:] = 0.0, 0.0
     if not abs(log) < np.inf:
         return 0.0, 0.0, off
-    length, least = 1.0, OFF_PATH if off < NEAR else OFF_PATH_FAR
-    while length > SHORTEST:
-        inside = move_points(x, border_x, cx, length, after.x, after.border_x)
-        inside = move_points(y, border_y, cy, length, after.y, after.border_y) and inside
-        if inside and centrality(after.x, after.border_x, after.y, after.border_y) >= least:
-            if on > 0.0:
-                motion.dx[:], motion.dy[:], motion.log[0] = cx, cy, log
-            return length, length * log, off
-        length *= SHORTER
-    return 0.0, 0.0, off
+    least = OFF_PATH if off < NEAR else OFF_PATH_FAR
+    length = _arrive(point, (cx, cy), (tx, ty), length, least, after)
+    if length > 0.0 and on > 0.0:
+        motion.dx[:], motion.dy[:], motion.log[0] = cx, cy, log
+    return length, length * log, off
