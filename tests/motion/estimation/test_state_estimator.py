@@ -223,6 +223,11 @@ def test_a_heading_that_is_wrong_by_more_than_half_a_turn_has_grown_by_that_much
     log = Log({"time": yaw, "q": q[0], "v": still, "q_estimated": q[1], "v_estimated": still})
     found = estimate_errors(log)
     assert (found.heading_deg, found.tilt_rms_deg) == pytest.approx((20.0, 1.0))
+    q[1, 20] = np.nan  # an estimator that blows up
+    found = estimate_errors(
+        Log({"time": yaw, "q": q[0], "v": still, "q_estimated": q[1], "v_estimated": still})
+    )
+    assert np.isnan([found.heading_deg, found.tilt_rms_deg, found.drift]).all()
 
 
 @pytest.mark.parametrize(("pitch", "believed"), [(0.0, True), (0.15, False)])

@@ -44,7 +44,8 @@ class EstimateErrors:
 def estimate_errors(log: Log, limits: AuditLimits = LIMITS) -> EstimateErrors:
     """Return the errors of a log's ``q_estimated`` and ``v_estimated``.
 
-    Latency counts as error: both are held against the true state of the same row.
+    Latency counts as error: both are held against the true state of the same row. Of an estimate that is not
+    finite in some row they are NaN.
 
     Raises
     ------
@@ -62,11 +63,14 @@ def estimate_errors(log: Log, limits: AuditLimits = LIMITS) -> EstimateErrors:
     # so the growth of their errors counts. Gravity shows tilt: its error is taken as it is.
     drift = float(np.linalg.norm(place[-1] - place[0]))
     way = float(np.linalg.norm(np.diff(log["q"][:, :2], axis=0), axis=1).sum())
-    true, estimated = (Rotation.from_quat(log[name][:, 3:7]) for name in ("q", "q_estimated"))
-    # The attitude's error as a turn about the vertical and one about a level axis. The heading's may grow
-    # beyond half a turn, where that of a rotation vector jumps back by a whole one.
-    x, y, z, w = (estimated * true.inv()).as_quat().T
-    tilt, heading = 2.0 * np.arctan2(np.hypot(x, y), np.hypot(z, w)), np.unwrap(2.0 * np.arctan2(z, w))
+    turns = np.stack([log[name][:, 3:7] for name in ("q", "q_estimated")])
+    tilt = heading = np.full(len(log), np.nan)
+    if (np.linalg.norm(turns, axis=2) > 0.0).all():  # SciPy refuses others, NaN among them
+        true, estimated = (Rotation.from_quat(turn) for turn in turns)
+        # The attitude's error as a turn about the vertical and one about a level axis. The heading's may grow
+        # beyond half a turn, where that of a rotation vector jumps back by a whole one.
+        x, y, z, w = (estimated * true.inv()).as_quat().T
+        tilt, heading = 2.0 * np.arctan2(np.hypot(x, y), np.hypot(z, w)), np.unwrap(2.0 * np.arctan2(z, w))
     time = 1e6 * np.asarray(log["estimator_time"]) if "estimator_time" in log else np.full(1, np.nan)
     return EstimateErrors(
         velocity_rms=float(np.sqrt(np.mean(velocity**2))),
