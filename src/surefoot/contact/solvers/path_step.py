@@ -149,13 +149,10 @@ def path_step(
     space = np.zeros((9, n, 3))
     aim, ahead, moved, none = space[0], space[1], space[2], space[3]
     tx, ty, cx, cy, own = space[4], space[5], space[6], space[7], space[8]
-    aim_pairs(axes, scaled, none, none, 0.0, 0.0, ahead)
+    aim_pairs(axes, scaled, none, none, 0.0, 0.0, own)
     aim_pairs(axes, scaled, none, none, gap, 0.0, aim)
-    own[:] = ahead
-    for k in range(n):
-        for a in range(3):
-            ahead[k, a] = shares[k] * (aim[k, a] - ahead[k, a])
-            aim[k, a] = own[k, a] + ahead[k, a]
+    ahead[:] = shares.reshape(n, 1) * (aim - own)
+    aim[:] = own + ahead
     fill_direction(factors, rows, weights, axes, y, 1.0, ahead, none, moved, tx, ty, 0)
     fill_direction(factors, rows, weights, axes, y, 1.0, aim, residual, moved, cx, cy, REFINEMENTS)
     tangent, back_to = np.empty((2, n, 3)), np.empty((2, n, 3))
