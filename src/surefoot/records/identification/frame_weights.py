@@ -13,7 +13,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.records.identification.toss_errors import clip_deviations
-from surefoot.records.identification.toss_loss import FLOOR, PLACES
+from surefoot.records.identification.toss_loss import FLOOR, KINDS, spread_kinds
 
 POWER = 0.5
 """Of what the median toss is off, by which a deviation is divided."""
@@ -36,8 +36,8 @@ def error_growth(rows: FloatArray, since: IntArray) -> FloatArray:
 
     Of places and of turns, from deviations (N, m) and what `frames_since` says of them; it never falls.
     """
-    rows, kinds = clip_deviations(rows), (slice(0, PLACES), slice(PLACES, None))
-    sizes = np.stack([np.linalg.norm(rows[:, part], axis=1) for part in kinds], axis=1)
+    rows = clip_deviations(rows)
+    sizes = np.stack([np.linalg.norm(rows[:, part], axis=1) for part in KINDS], axis=1)
     growth = np.full((max(int(since.max()), 0) + 1, 2), FLOOR)
     for time in range(len(growth)):
         here = sizes[since == time]
@@ -50,4 +50,4 @@ def frame_weights(growth: FloatArray, since: IntArray, columns: int) -> FloatArr
     """Return the weights (N, m) of deviations with so many columns; `since` as in `error_growth`."""
     size = growth[np.clip(since, 0, len(growth) - 1)]
     weights = (np.exp(np.log(size).mean(axis=0)) / size) ** POWER
-    return np.asarray(weights[:, np.minimum(np.arange(columns) // PLACES, 1)])
+    return spread_kinds(weights, columns)

@@ -12,7 +12,6 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -20,12 +19,12 @@ from surefoot.base.arrays import FloatArray, IntArray, whole_number
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot
-from surefoot.records.identification.frame_weights import error_growth, frame_weights, frames_since
+from surefoot.records.identification.frame_weights import error_growth, frames_since
 from surefoot.records.identification.ground_plane import CLEAR, GroundPlane, ground_points
 from surefoot.records.identification.relevel_tosses import Levelling, find_levelled
 from surefoot.records.identification.thrown_body import ThrownBody, TossParameter, cube_body, thrown_body
 from surefoot.records.identification.thrown_body_tree import sphere_places
-from surefoot.records.identification.toss_errors import deviations, resample, toss_errors
+from surefoot.records.identification.toss_errors import TossMeasure, resample, toss_errors
 from surefoot.records.identification.toss_fit import SLOPES, BodyFit, Estimate, TossFit, plane_at
 from surefoot.records.identification.toss_impacts import judged_impacts
 from surefoot.records.identification.toss_model import ThrownModel, TossModel, TossScene
@@ -186,49 +185,28 @@ def _fit_law(
 ) -> tuple[FloatArray, BodyFit]:
     """Return a law's values (d,) on all frames, the body held, and the body with the loss that they have."""
     own, scene, before = simulator.parameters, found.scene(tosses), found.before(tosses)
-    measure = _Measure(found.first[0].width, found.first[0].arm)
     first = values = np.array([found.values.get(p.name, p.start) for p in own])
     if not all(p.name in found.values for p in own):
         early = before + LATER
-        values = _search_law(tosses, simulator, scene, early, (values, first), measure, draws, tick).values
-    since, growth = frames_since(tosses.frames, before), found.growth
-    if growth is None:
-        growth = error_growth(measure.deviations(tosses, simulator.rollout(values, scene)), since)
-    measure = measure._replace(scale=found.scale, weights=frame_weights(growth, since, 6 + tosses.joints))
-    best = _search_law(tosses, simulator, scene, tosses.frames, (values, first), measure, draws, tick)
-    return best.values, found._replace(scale=best.scale, growth=growth)
-
-
-class _Measure(NamedTuple):
-    """What a search for a law measures tosses by.
-
-    Attributes
-    ----------
-    width, arm
-        Their unit [m], and by how much a turn counts [m].
-    scale
-        Errors (G,) from which the loss is robust; None for the median ones at the start.
-    weights
-        (N, m) of deviations; None for 1.
-    """
-
-    width: float
-    arm: float
-    scale: FloatArray | None = None
-    weights: FloatArray | None = None
-
-    def deviations(self, tosses: Tosses, poses: FloatArray) -> FloatArray:
-        """Return (N, m) deviations of poses (N, nq), weighed."""
-        rows = deviations(tosses, poses, self.width, self.arm)
-        return rows if self.weights is None else rows * self.weights
+        start = found.measure, None
+        values = _search_law(tosses, simulator, scene, early, (values, first), start, draws, tick).values
+    if found.growth is None:
+        rows = found.measure.deviations(tosses, simulator.rollout(values, scene))
+        found = found._replace(growth=error_growth(rows, frames_since(tosses.frames, before)))
+    whole = found.weighed_measure(tosses), found.scale
+    best = _search_law(tosses, simulator, scene, tosses.frames, (values, first), whole, draws, tick)
+    return best.values, found._replace(scale=best.scale)
 
 
 def _search_law(
     tosses: Tosses, simulator: TossModel, scene: TossScene, ends: IntArray, starts: Sequence[FloatArray],
-    measure: _Measure, draws: FloatArray, tick: Callable[[float], None],
+    judged: tuple[TossMeasure, FloatArray | None], draws: FloatArray, tick: Callable[[float], None],
 ) -> SearchResult:  # fmt: skip
-    """Fit a law to the frames before (B,) ends, from several starts (d,); the body is held."""
-    part = tosses.until(ends)
+    """Fit a law to the frames before (B,) ends, from several starts (d,); the body is held.
+
+    It is judged by a measure, and robust from errors (G,) on, the median ones at the start without any.
+    """
+    part, (measure, scale) = tosses.until(ends), judged
     here = scene._replace(frames=part.frames)
 
     def simulate(values: FloatArray) -> FloatArray:
@@ -236,9 +214,7 @@ def _search_law(
         return measure.deviations(part, simulator.rollout(values, here))
 
     first, *others = starts
-    return search(
-        simulate, simulator.parameters, first, part.frames, draws, others=others, scale=measure.scale
-    )  # fmt: skip
+    return search(simulate, simulator.parameters, first, part.frames, draws, others=others, scale=scale)
 
 
 def identify_body(
@@ -334,7 +310,7 @@ class _BodySearch:
         law, names = [p.name for p in self._law.parameters], [p.name for p in parameters]
         given = [name for name in ("gravity", *SLOPES) if horizon and name not in names]
         part = self._tosses.until(np.maximum(self._before + (horizon or 0), 2))
-        fixed, width, arm = self.values, self._body.width, self._body.arm
+        fixed, measure = self.values, TossMeasure(self._body.width, self._body.arm)
 
         def simulate(values: FloatArray) -> FloatArray:
             now = fixed | dict(zip([*names, *given], values.tolist(), strict=True))
@@ -342,7 +318,7 @@ class _BodySearch:
             scene = scene_at(part, self._body.at(now), self._flight, now)
             self._tick(len(part.states) / len(self._tosses.states) * len(self._tosses))
             poses = self._law.rollout(np.array([now[name] for name in law]), scene)
-            return deviations(part, poses, width, arm)
+            return measure.deviations(part, poses)
 
         held = np.stack([self.draws[name] for name in given], axis=1) if given else None
         values = np.array([fixed[name] for name in (*names, *given)])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -45,6 +46,27 @@ def deviations(tosses: Tosses, poses: FloatArray, width: float, arm: float) -> F
     out = pose_differences(np.where(good, poses, tosses.poses), tosses.poses)  # SciPy refuses NaN for a turn
     out[:, 3:] *= arm
     return np.where(good, out / width, np.nan)
+
+
+class TossMeasure(NamedTuple):
+    """By what tosses of a body are measured.
+
+    Attributes
+    ----------
+    width, arm
+        The unit of deviations [m], and by how much a turn counts [m].
+    weights
+        (N, m) of the deviations of certain tosses, see `frame_weights`; None for 1.
+    """
+
+    width: float
+    arm: float
+    weights: FloatArray | None = None
+
+    def deviations(self, tosses: Tosses, poses: FloatArray) -> FloatArray:
+        """Return (N, m) deviations of poses (N, nq), weighed; see the function."""
+        rows = deviations(tosses, poses, self.width, self.arm)
+        return rows if self.weights is None else rows * self.weights
 
 
 def clip_deviations(rows: FloatArray) -> FloatArray:

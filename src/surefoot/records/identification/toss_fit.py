@@ -9,11 +9,12 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.drawn import Drawn
+from surefoot.records.identification.frame_weights import frame_weights, frames_since
 from surefoot.records.identification.ground_plane import CLEAR, GroundPlane
 from surefoot.records.identification.relevel_tosses import Levelling
 from surefoot.records.identification.thrown_body import ThrownBody
 from surefoot.records.identification.thrown_body_tree import sphere_places
-from surefoot.records.identification.toss_errors import TossErrors
+from surefoot.records.identification.toss_errors import TossErrors, TossMeasure
 from surefoot.records.identification.toss_impacts import ImpactFit
 from surefoot.records.identification.toss_model import TossScene
 from surefoot.records.identification.toss_start import TossFlight, flying_frames
@@ -116,6 +117,18 @@ class BodyFit(NamedTuple):
     def upright(self, tosses: Tosses) -> Tosses:
         """Return tosses in the axes of the scene, which are their own unless they were levelled."""
         return tosses if self.levelled is None else self.levelled.upright(tosses)
+
+    @property
+    def measure(self) -> TossMeasure:
+        """In widths of the body as first found, whatever a law made of it since: of every law alike."""
+        return TossMeasure(self.first[0].width, self.first[0].arm)
+
+    def weighed_measure(self, tosses: Tosses) -> TossMeasure:
+        """Return the measure of tosses whose frames count as `growth` says; alike before that is known."""
+        if self.growth is None:
+            return self.measure
+        since = frames_since(tosses.frames, self.before(tosses))
+        return self.measure._replace(weights=frame_weights(self.growth, since, 6 + tosses.joints))
 
     def before(self, tosses: Tosses) -> IntArray:
         """Return (B,) the frames before the first touch."""

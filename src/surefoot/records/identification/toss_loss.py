@@ -27,8 +27,15 @@ from surefoot.base.arrays import FloatArray, IntArray
 
 PLACES = 3
 """Columns of a row of deviations that are a place."""
+KINDS = slice(0, PLACES), slice(PLACES, None)
+"""Columns of each kind: places, and turns with joints."""
 FLOOR = 1e-3
 """Least median error [widths] that the robust loss takes."""
+
+
+def spread_kinds(numbers: FloatArray, columns: int) -> FloatArray:
+    """Return numbers of each kind (N, G, ...) as numbers of each of so many columns (N, m, ...)."""
+    return np.asarray(numbers[:, np.minimum(np.arange(columns) // PLACES, numbers.shape[1] - 1)])
 
 
 class Deviations(NamedTuple):
@@ -73,8 +80,7 @@ class Deviations(NamedTuple):
 
     def spread(self, kinds: FloatArray) -> FloatArray:
         """Return numbers of each toss and kind (B, G, ...) as numbers of each row and column (N, m, ...)."""
-        columns = kinds[:, np.minimum(np.arange(self.rows.shape[1]) // PLACES, kinds.shape[1] - 1)]
-        return np.repeat(columns, self.frames, axis=0)
+        return np.repeat(spread_kinds(kinds, self.rows.shape[1]), self.frames, axis=0)
 
 
 class Slopes(NamedTuple):
@@ -149,7 +155,7 @@ def _weights(here: Deviations) -> FloatArray:
 
 def _sums(rows: FloatArray, frames: IntArray) -> FloatArray:
     """Return the sums (B, G, ...) of (N, m, ...) numbers over a toss's rows and a kind's columns."""
-    kinds = [rows[:, part].sum(axis=1) for part in (slice(0, PLACES), slice(PLACES, None))]
+    kinds = [rows[:, part].sum(axis=1) for part in KINDS]
     return np.asarray(np.add.reduceat(np.stack(kinds, axis=1), _first(frames)))[:, : _kinds(rows)]
 
 

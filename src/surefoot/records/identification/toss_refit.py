@@ -15,10 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
-from surefoot.records.identification.frame_weights import frame_weights, frames_since
 from surefoot.records.identification.ground_plane import GroundPlane
 from surefoot.records.identification.thrown_body import ThrownBody, TossParameter
-from surefoot.records.identification.toss_errors import deviations
 from surefoot.records.identification.toss_fit import SLOPES, BodyFit, Estimate, plane_at
 from surefoot.records.identification.toss_model import TossModel, TossScene
 from surefoot.records.identification.toss_search import SearchResult, search
@@ -129,22 +127,15 @@ def list_parameters(simulator: TossModel, found: BodyFit) -> list[TossParameter]
 def simulate_around(
     tosses: Tosses, simulator: TossModel, found: BodyFit
 ) -> Callable[[FloatArray], FloatArray]:
-    """Return what maps values of `list_parameters` to deviations (N, m), weighed; tosses are upright.
-
-    They are in widths of the body as it was first found, whatever a law made of it since: of every law alike.
-    """
-    count, width, arm = len(simulator.parameters), found.first[0].width, found.first[0].arm
-    names = [p.name for p in list_parameters(simulator, found)]
-    before = found.before(tosses)
-    flight = TossFlight(tosses, before, found.first[0].tree, found.first[2])
-    since, growth = frames_since(tosses.frames, before), found.growth
-    weights = None if growth is None else frame_weights(growth, since, 6 + tosses.joints)
+    """Return what maps values of `list_parameters` to deviations (N, m), weighed; tosses are upright."""
+    count, names = len(simulator.parameters), [p.name for p in list_parameters(simulator, found)]
+    flight = TossFlight(tosses, found.before(tosses), found.first[0].tree, found.first[2])
+    measure = found.weighed_measure(tosses)
 
     def simulate(point: FloatArray) -> FloatArray:
         here = dict(zip(names[count:], point[count:].tolist(), strict=True))
         scene = scene_at(tosses, found.nominal.at(here), flight, here)
-        rows = deviations(tosses, simulator.rollout(point[:count], scene), width, arm)
-        return rows if weights is None else rows * weights
+        return measure.deviations(tosses, simulator.rollout(point[:count], scene))
 
     return simulate
 
