@@ -18,7 +18,9 @@ from surefoot.base.kernels import working_time
 from surefoot.contact.laws import LAWS
 from surefoot.contact.solvers import auto, on_blocks, redundant_contacts
 from surefoot.contact.solvers import strategies as plans
+from surefoot.contact.solvers.central_path import CentralPath
 from surefoot.contact.solvers.solver import SolverSettings
+from surefoot.contact.solvers.step_memory import MOST_UNMET
 
 TABLES = (plans.CONES, plans.CONES_MORE, plans.CONES_LARGE, plans.CONES_BODIES, plans.PYRAMIDS)
 PLANS = [*(plan for table in TABLES for plan in table.values()), plans.GENERAL]
@@ -99,6 +101,12 @@ def test_a_wall_of_mixed_masses_is_left_to_the_interior_point() -> None:
     found = sf.solve(sf.ContactProblem(drawn.G, drawn.g, drawn.mu), tol=1e-4)
     assert found.solved
     assert found.iterations < 3000
+
+
+def test_a_path_of_light_and_heavy_bricks_begins_far_from_the_centre() -> None:
+    """Its first step was refused, since it left some contacts as far off: all ended at 1e-2 after 27,000."""
+    drawn = wall(np.random.default_rng([2, 0, *b"wall-mixed-250"]), 6, 6, 0.6, 1e6)
+    assert sf.solve(sf.ContactProblem(drawn.G, drawn.g, drawn.mu), tol=1e-6).solved
 
 
 @pytest.mark.parametrize(("balls", "each", "first"), [(200, 1, "newton"), (40, 5, "admm"), (600, 1, "admm")])
@@ -208,6 +216,23 @@ def squeezed(contacts: int) -> sf.ContactProblem:
     g = J @ rng.normal(size=6)
     g[2::3] -= 0.5
     return sf.ContactProblem(J @ J.T, g, 0.5)
+
+
+def test_where_a_path_is_never_met_no_other_one_is_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Contacts that contradict each other: there is no path, and four of them took two thirds of the time."""
+    tried: list[int] = []
+    follow = CentralPath.follow_unequally
+
+    def count(path: CentralPath, *rest: Any) -> bool:
+        before = path.done
+        met = follow(path, *rest)
+        tried.append(path.done - before)
+        assert not met
+        return met
+
+    monkeypatch.setattr(CentralPath, "follow_unequally", count)
+    assert sf.solve(squeezed(30)).status == sf.Status.INFEASIBLE
+    assert tried == [MOST_UNMET]
 
 
 @pytest.mark.parametrize("contacts", [30, 64, 200, 450])

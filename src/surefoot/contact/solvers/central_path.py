@@ -211,8 +211,8 @@ class CentralPath:
             point = after
         return False
 
-    def follow_unequally(self, point: Iterate, most: int, enough: float, patience: float = math.inf) -> None:
-        """Follow a path by its length, with unequal shares of the gap.
+    def follow_unequally(self, point: Iterate, most: int, enough: float, patience: float = math.inf) -> bool:
+        """Follow a path by its length, with unequal shares of the gap; tell whether it was ever met.
 
         It ends where an error is enough, after so many steps, or where the path is lost: after so many that
         bring no smaller gap, too.
@@ -231,3 +231,4 @@ class CentralPath:
             if after is None:
                 break
             point = after
+        return turning.met is not None

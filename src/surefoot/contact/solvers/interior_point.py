@@ -53,10 +53,10 @@ polished, the tolerance from which on no turn of the path is followed, and itera
 can still be held, and else: one that ends takes hundreds, others come to rest."""
 POLISHED, MOST_NEWTON = 1e-7, 30
 """Velocity error from which on no other start or long path leads nearer, and Newton's steps from there."""
-MOST_TURNING, MOST_UNEQUAL, MOST_ENDING, PATIENCE, PATHS = 40, 700, 100, 200, 4
-"""Steps along turns of the path, of one whose contacts have unequal shares of the gap, and from where that is
-near an answer; how many in turn may bring no smaller gap, how many such paths are tried: one that
-loses itself says nothing of another."""
+MOST_TURNING, MOST_UNEQUAL, MOST_ENDING, PATIENCE, PATHS = 40, 1000, 100, 200, 4
+"""Steps along turns of the path, of all paths whose contacts have unequal shares of the gap, and of one from
+where that is near an answer; how many in turn may bring no smaller gap, how many such paths are tried: one
+that loses itself says nothing of another."""
 MOST_LONG, LONG_WORK, MOST_FINISH, FINISH_FROM = 6000, 3e10, 24_000, 1e3
 """Steps of a long path, multiplications of all its matrices, iterations of ADMM from the end of each, and the
 velocity error, over the tolerance, at which a path has gone far enough for them."""
@@ -161,17 +161,22 @@ class InteriorRun:
             path.last = path.best
             if self._finish(solve_newton, MOST_NEWTON):
                 return True
+        left = min(MOST_UNEQUAL, self.most_long)
         for number in range(PATHS):
-            path.memory.unequal, point = unequal_shares(len(path.mu), number), first
-            for most, enough in ((MOST_UNEQUAL, POLISH_FROM), (MOST_ENDING, path.tol)):
-                if path.over():
+            path.memory.unequal, point, met = unequal_shares(len(path.mu), number), first, False
+            for most, enough in ((left, POLISH_FROM), (MOST_ENDING, path.tol)):
+                if path.over() or left <= 0:
                     return False
-                path.follow_unequally(point, min(most, self.most_long), enough, PATIENCE)
+                before = path.done
+                met |= path.follow_unequally(point, min(most, left), enough, PATIENCE)
+                left -= path.done - before
                 point, last = path.points[-1][1], path.last
                 if path.error <= path.tol or self.end(first):
                     return True
                 if path.judge(last) > NEAR:
                     break
+            if not met:  # nor are the others: where there is no answer, mostly
+                return False
         return False
 
     def end(self, first: Iterate) -> bool:

@@ -3,13 +3,14 @@
 Coulomb's law is not monotone, so its central path may turn back for a while, or nearly: within a hundredth of
 the gap contacts go over from sticking to sliding, and steps that aim at a smaller gap end at the border of
 the cones. Seen as a curve of points and log gaps it is smooth. A step has two parts with one factorised
-matrix: back to the path, orthogonal to it, and on along its tangent. A third tells how the products of the
-cones bend them, by Mehrotra's second order: it is gone along where it is short, and shortens a step that only
-goes back where it is long. Lengths and angles are those of the scaled variables over the root of the gap, in
-which the border is about one away.
+matrix: back to the path, orthogonal to it, and on along its tangent. Lengths and angles are those of the
+scaled variables over the root of the gap, in which the border is about one away.
 
 Walls of equal bricks are symmetric, and their paths branch. With unequal shares of the gap, a contact each,
-none does: there the sign of the determinant tells which way is on, however sharply the path turns.
+none does: there the sign of the determinant tells which way is on, however sharply the path turns, and a
+third part of a step tells how the products of the cones bend it, by Mehrotra's second order. It is gone along
+where it is short, and shortens a step that only goes back where it is long. With equal shares walls of light
+and heavy bricks lose their path by it.
 
 Source: E. Allgower, K. Georg, "Introduction to numerical continuation methods", 2003, chapters 2 and 6.
 """
@@ -35,10 +36,12 @@ from surefoot.contact.solvers.reduced_system import Factors, Rows
 
 NEAR = 1.0
 """Distance to the path above which a step only goes back to it."""
-BACK, ON = 0.9, 0.7
-"""Shares of the way to the border that a step takes back to the path, and on along it."""
-OFF_PATH, OFF_PATH_FAR = 0.05, 0.01
-"""Least centrality after a step near the path, and after one that only goes back to it."""
+BACK, ON, BACK_EQUAL = 0.9, 0.7, 0.5
+"""Shares of the way to the border that a step takes back to the path, and on along it; and back to one of
+equal shares."""
+OFF_PATH, OFF_PATH_FAR, LESS = 0.05, 0.01, 0.9
+"""Least centrality after a step near the path, and after one that only goes back to it: there the last share
+of what it was is enough, too, since light and heavy bodies begin far from the centre."""
 MOST_BENT = 1.0
 """Length of a step's bend up to which it is gone along: of longer ones second order knows too little."""
 TURNING = 5.0
@@ -99,9 +102,10 @@ def _fill_bend(
     factors: Factors, rows: Rows, point: Iterate, scaling: Scaling, gap: float,
     step: tuple[FloatArray, FloatArray], own: FloatArray, bx: FloatArray, by: FloatArray,
 ) -> float:  # fmt: skip
-    """Fill bx, by (n, 3) with how the cones' products bend a step of x and y (n, 3); return their length.
+    """Fill bx, by (n, 3) with how the cones' products bend a step of x and y (n, 3), or zero where far.
 
-    A share t of the step ends at t times the step and t² times its bend. `own` (n, 3) is the aim of no step.
+    Return their length. A share t of the step ends at t times the step and t² times its bend. `own` (n, 3) is
+    the aim of no step.
     """
     axes, scaled, weights = scaling
     space = np.zeros((3, *own.shape))
@@ -111,7 +115,10 @@ def _fill_bend(
     fill_direction(factors, rows, weights, axes, point.y, 1.0, aim, none, moved, bx, by, 0)
     out = np.empty((2, *own.shape))
     _scale_steps(axes, gap, bx, by, out)
-    return math.sqrt(_inner(out, out))
+    length = math.sqrt(_inner(out, out))
+    if not length <= MOST_BENT:
+        bx[:], by[:] = 0.0, 0.0
+    return length
 
 
 @inline_kernel
@@ -159,7 +166,8 @@ def path_step(
     _scale_steps(axes, gap, tx, ty, tangent)
     _scale_steps(axes, gap, cx, cy, back_to)
     size = math.sqrt(_inner(tangent, tangent) + n)
-    if sign == 0.0:
+    equal = sign == 0.0
+    if equal:
         sign = -1.0
         turns = size > TURNING * math.sqrt(2.0 * n)
         last = np.empty((2, n, 3))
@@ -171,20 +179,21 @@ def path_step(
     cy -= part * ty
     back_to -= part * tangent
     off = math.sqrt(_inner(back_to, back_to) + n * part * part)
-    back = min(1.0, BACK * longest_inside(x, border_x, y, border_y, cx, cy))
+    back = min(1.0, (BACK_EQUAL if equal else BACK) * longest_inside(x, border_x, y, border_y, cx, cy))
     tx *= sign / size
     ty *= sign / size
     on = reach * ON * longest_inside(x, border_x, y, border_y, tx, ty) if off < NEAR else 0.0
     cx[:] = back * cx + on * tx
     cy[:] = back * cy + on * ty
     log = on * sign / size - back * part
-    bend = _fill_bend(factors, rows, point, scaling, gap, (cx, cy), own, tx, ty)
-    length = 1.0 if on > 0.0 or bend == 0.0 else min(1.0, back * off / bend)
-    if not bend <= MOST_BENT:
-        tx[:], ty[:] = 0.0, 0.0
+    tx[:], ty[:], length = 0.0, 0.0, 1.0
+    if not equal:
+        bend = _fill_bend(factors, rows, point, scaling, gap, (cx, cy), own, tx, ty)
+        if on == 0.0 and bend > 0.0:
+            length = min(1.0, back * off / bend)
     if not abs(log) < np.inf:
         return 0.0, 0.0, off
-    least = OFF_PATH if off < NEAR else OFF_PATH_FAR
+    least = OFF_PATH if off < NEAR else min(OFF_PATH_FAR, LESS * centrality(x, border_x, y, border_y))
     length = _arrive(point, (cx, cy), (tx, ty), length, least, after)
     if length > 0.0 and on > 0.0:
         motion.dx[:], motion.dy[:], motion.log[0] = cx, cy, log

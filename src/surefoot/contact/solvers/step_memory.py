@@ -21,6 +21,10 @@ MOST_AWAY = 20
 """Steps beside a path of equal shares after which it counts as lost: walls of bricks are back within nine,
 walls of light bricks and heavy ones within twenty, balls in a pit within three, or mostly not in forty."""
 
+MOST_UNMET = 120
+"""Steps after which a path of unequal shares that was never met is lost: balls in a pit meet theirs within
+fifteen, walls of light bricks and heavy ones within ninety, and where there is no answer nobody does."""
+
 
 class StepMemory:
     """What an iteration works in: scalings and the matrix's factors, for a system of n contacts."""
@@ -82,14 +86,16 @@ class Turning:
     def __init__(self, unequal: bool, patience: float = math.inf) -> None:
         self.unequal, self.patience = unequal, patience
         self.met: Iterate | None = None
-        self.reach, self.off, self.back, self.short = 1.0, math.inf, 0, 0
+        self.steps, self.reach, self.off, self.back, self.short = 0, 1.0, math.inf, 0, 0
         self.least, self.idle = math.inf, 0
 
     @property
     def lost(self) -> bool:
-        """Whether steps have been as short as they may be, or idle, or beside a path of equal shares."""
+        """Whether steps have been as short as they may be, or idle, or beside the path too long."""
         if not self.unequal:
             return self.back >= MOST_AWAY
+        if self.met is None and self.steps >= MOST_UNMET:
+            return True
         return self.short > MOST_SHORT or self.idle > self.patience
 
     def step(self, memory: StepMemory, point: Iterate, gap: float) -> tuple[float, Iterate | None]:
@@ -98,6 +104,7 @@ class Turning:
         Where steps do not lead back to the path, they start again from where it was met last, shorter.
         """
         log, off, after = memory.go_along(point, gap, self.unequal, self.reach)
+        self.steps += 1
         self.least, self.idle = (gap, 0) if gap < self.least else (self.least, self.idle + 1)
         self.back = 0 if off < NEAR else self.back + 1
         if not self.unequal:
