@@ -169,7 +169,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         write_tosses(random_tosses(tosses, [0.2, 0.1, 0.003], seed=seed, frames=30), place / f"{name}.npz")
     (place / "elbow.urdf").write_text(ELBOW)
     elbow = thrown_body(place / "elbow.urdf")
-    for name, tosses in (("even", 8), ("odd", 4), ("third", 12), ("elbow", 16)):
+    for name, tosses in (("even", 8), ("odd", 4), ("third", 12), ("rest", 8), ("elbow", 16)):
         jointed = random_tosses(tosses, [0.2, 0.1, 0.003], seed=len(name), frames=24, body=elbow)
         write_tosses(jointed, place / f"{name}.npz")
     (place / "example-robot-data").symlink_to(robots_folder().parent)
