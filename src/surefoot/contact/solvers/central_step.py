@@ -26,8 +26,9 @@ from surefoot.contact.solvers.reduced_system import Factors, Rows, apply_rows, g
 
 TO_BORDER = 0.99
 """Share of the way to the border that a step takes."""
-OFF_CENTRE = 1e-2
-"""Least centrality after a step."""
+OFF_CENTRE, LESS = 1e-2, 0.9
+"""Least centrality after a step; from a point farther from the centre, as light and heavy bodies begin, this
+share of its own is enough."""
 REFINEMENTS = 1
 """Corrections of a step by its own residual; a direction that only tells how far to go needs none."""
 EXACT = 1e-9
@@ -140,10 +141,11 @@ def central_step(
     aim_pairs(axes, scaled, dx, dy, centre * gap, length * length, aim)
     fill_direction(factors, rows, weights, axes, y, share, aim, residual, moved, dx, dy, REFINEMENTS)
     length = min(1.0, TO_BORDER * longest_inside(x, border_x, y, border_y, dx, dy))
+    enough = min(OFF_CENTRE, LESS * centrality(x, border_x, y, border_y))
     while length > SHORTEST:
         inside = move_points(x, border_x, dx, length, after.x, after.border_x)
         inside = move_points(y, border_y, dy, length, after.y, after.border_y) and inside
-        if inside and centrality(after.x, after.border_x, after.y, after.border_y) >= OFF_CENTRE:
+        if inside and centrality(after.x, after.border_x, after.y, after.border_y) >= enough:
             return length
         length *= SHORTER
     return 0.0

@@ -25,6 +25,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.kernels import inline_kernel, kernel
 from surefoot.contact.solvers.central_step import (
+    LESS,
     REFINEMENTS,
     Iterate,
     Scaling,
@@ -39,9 +40,9 @@ NEAR = 1.0
 BACK, ON, BACK_EQUAL = 0.9, 0.7, 0.5
 """Shares of the way to the border that a step takes back to the path, and on along it; and back to one of
 equal shares."""
-OFF_PATH, OFF_PATH_FAR, LESS = 0.05, 0.01, 0.9
-"""Least centrality after a step near the path, and after one that only goes back to it: there the last share
-of what it was is enough, too, since light and heavy bodies begin far from the centre."""
+OFF_PATH, OFF_PATH_FAR = 0.05, 0.01
+"""Least centrality after a step near the path, and after one that only goes back to it: there `LESS` of what
+it was is enough, too."""
 MOST_BENT = 1.0
 """Length of a step's bend up to which it is gone along: of longer ones second order knows too little."""
 TURNING = 5.0
