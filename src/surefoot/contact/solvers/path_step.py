@@ -187,13 +187,13 @@ def path_step(
     cx[:] = back * cx + on * tx
     cy[:] = back * cy + on * ty
     log = on * sign / size - back * part
+    if not abs(log) < np.inf:
+        return 0.0, 0.0, off
     tx[:], ty[:], length = 0.0, 0.0, 1.0
     if not equal:
         bend = _fill_bend(factors, rows, point, scaling, gap, (cx, cy), own, tx, ty)
         if on == 0.0 and bend > 0.0:
             length = min(1.0, back * off / bend)
-    if not abs(log) < np.inf:
-        return 0.0, 0.0, off
     least = OFF_PATH if off < NEAR else min(OFF_PATH_FAR, LESS * centrality(x, border_x, y, border_y))
     length = _arrive(point, (cx, cy), (tx, ty), length, least, after)
     if length > 0.0 and on > 0.0:
