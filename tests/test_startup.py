@@ -155,6 +155,7 @@ def two_files(tmp_path: Path):
     return ask
 
 
+@pytest.mark.long
 def test_compiled_code_is_kept_until_code_or_constants_change(two_files) -> None:
     value, hits, folder = two_files()
     assert (float(value), hits) == (21.0, "0")
@@ -208,6 +209,7 @@ def test_code_that_was_compiled_beside_read_only_sources_is_used(two_files, tmp_
     assert Path(folder) != beside
 
 
+@pytest.mark.long
 def test_of_two_processes_that_miss_a_kernel_one_compiles_it(tmp_path: Path) -> None:
     code = f"""
 import time, numpy as np

@@ -37,6 +37,7 @@ def check(found: list[Finding], more: str = "") -> None:
 
 @pytest.mark.parametrize("share", [0, *(pytest.param(k, marks=pytest.mark.long) for k in (1, 2))])
 @pytest.mark.parametrize("name", sorted(FAMILIES))
+@pytest.mark.sampled(24)
 def test_no_verdict_of_auto_is_false(name: str, share: int) -> None:
     found = [examine(name, seed, max_time=0.1) for seed in range(share, COUNT.get(name, 46), 3)]
     check(found)

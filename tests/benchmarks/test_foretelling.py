@@ -50,6 +50,7 @@ def test_pieces_tell_where_an_execution_left_its_reference(rising: Motion) -> No
     assert off[-1] > 0.1
 
 
+@pytest.mark.long
 def test_correlations_are_those_of_ranks() -> None:
     rng = np.random.default_rng(3)
     off = rng.permutation(12).astype(float)

@@ -11,6 +11,7 @@ from benchmarks.record_price import models, price
 pytest.importorskip("mujoco")
 
 
+@pytest.mark.long
 def test_every_model_has_a_price() -> None:
     names = []
     for name, model, data in models():

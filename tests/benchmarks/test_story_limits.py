@@ -25,6 +25,7 @@ def runs() -> list[Told]:
         return list(told_runs(1, 1, None))
 
 
+@pytest.mark.long
 def test_the_story_of_a_told_run_is_that_of_its_audit(runs: list[Told]) -> None:
     assert [run.right(STORY_LIMITS, "") for run in runs] == [True, True]
     for name, value in (("weaker", 0.05), ("loaded", 0.4), ("lag_better", 1.0), ("brief", 0.5)):

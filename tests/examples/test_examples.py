@@ -19,6 +19,7 @@ def script(name: str) -> dict[str, Any]:
     return runpy.run_path(str(EXAMPLES / f"{name}.py"))
 
 
+@pytest.mark.long
 def test_a_quarter_of_the_weight_on_every_foot(tmp_path: Path) -> None:
     normal = script("01_stand")["main"](tmp_path / "stand.png")
     share = 16.085 * GRAVITY * np.cos(np.radians(20.0)) / 4

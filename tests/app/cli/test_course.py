@@ -107,6 +107,7 @@ def test_a_time_limit_is_a_number_of_seconds(
     assert "time limit" in capfd.readouterr().err
 
 
+@pytest.mark.long
 def test_what_hangs_is_ended(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     start = time.monotonic()
     assert grade("52.1.1", "while True: pass\n", tmp_path, "--time-limit", "1") == 2

@@ -27,6 +27,7 @@ def test_a_ball_is_planned_and_saved(tmp_path: Path, answer: Any) -> None:
     assert again.status.value == "solved"
 
 
+@pytest.mark.long
 def test_a_jump_is_planned_in_words(tmp_path: Path, printed: Any) -> None:
     pose = tmp_path / "pose.json"
     pose.write_text(json.dumps(place(load_robot("go2"), at=(0.1, 0.0)).tolist()))

@@ -297,6 +297,7 @@ def test_it_is_named_in_one_line(
     assert {path: path.stat().st_mtime_ns for path in folder.iterdir()} == before
 
 
+@pytest.mark.long
 def test_a_robot_that_gets_nowhere_did_not_walk(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     options = ["--mu", "0", "--duration", "3", "--no-video", "--no-report", "--out", str(tmp_path)]
     assert main(["walk", "go2", *options]) == 1

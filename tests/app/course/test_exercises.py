@@ -44,12 +44,13 @@ def test_they_are_the_chapters() -> None:
 
 
 @pytest.mark.parametrize("number", TITLES)
-@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in (1, 2))])
 def test_the_solution_has_all_properties(number: str, seed: int) -> None:
     assert failures(number, solution_text(number), seed) == []
 
 
 @pytest.mark.parametrize(("number", "name"), CASES)
+@pytest.mark.sampled(60)
 def test_a_wrong_answer_lacks_one(number: str, name: str) -> None:
     old, new = WRONG[number][name]
     text = solution_text(number)
@@ -85,6 +86,7 @@ def upright(value: Any) -> Any:
 @pytest.mark.parametrize("form", [single, listed, upright])
 @pytest.mark.parametrize("number", TITLES)
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in (1, 2))])
+@pytest.mark.sampled(36)
 def test_a_right_answer_may_come_in_another_form(number: str, form: Callable[[Any], Any], seed: int) -> None:
     plain = functions(solution_text(number))  # whose functions call each other as they were written
     own = {name: lambda *given, right=plain[name]: form(right(*given)) for name in functions_of(number)}

@@ -33,6 +33,7 @@ def page(log: sf.Log) -> RecordingPage:
     return audit_page(RecordedMotion(log), audit_log(log))
 
 
+@pytest.mark.long
 def test_the_robot_is_where_the_log_says(page: RecordingPage, log: sf.Log) -> None:
     robot = sf.load_robot(str(log.fact("robot")))
     for share in (0.0, 0.4, 1.0):

@@ -17,7 +17,7 @@ pytest.importorskip("trimesh", reason="viser brings it: pip install -e '.[lab]'"
 
 @pytest.mark.parametrize("name", ["go2", "g1"])
 @pytest.mark.parametrize(("moved", "slope"), [((0.0, 0.0, 0.0), 0.0), ((0.05, 0.03, -0.03), 15.0)])
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 def test_feet_and_centre_of_mass_are_where_they_should_be(
     name: str, moved: tuple[float, float, float], slope: float
 ) -> None:

@@ -61,6 +61,7 @@ def test_what_the_viewer_is_told() -> None:
     handle.close.assert_called_once_with()
 
 
+@pytest.mark.long
 def test_a_process_that_may_not_open_windows() -> None:
     said = "`launch_passive` requires that the Python script be run under `mjpython`"
     window = ViewerWindow(load_robot("go2"), FlatTerrain(), Mock(side_effect=RuntimeError(said)))

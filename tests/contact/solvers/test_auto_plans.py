@@ -95,6 +95,7 @@ def test_a_tower_with_a_heavy_top_has_a_sparse_interior_point_early() -> None:
     assert redundant_contacts.where_redundant(problem, SolverSettings(1e-2), None) is None
 
 
+@pytest.mark.long
 def test_a_wall_of_mixed_masses_is_left_to_the_interior_point() -> None:
     """Without it nobody comes below 1e-2 in seconds; its rank is guessed too large from G alone."""
     drawn = wall(np.random.default_rng([0, 0, *b"wall-mixed-250"]), 6, 6, 0.6, 1e6)

@@ -132,6 +132,7 @@ def test_the_path_that_equal_shares_lose_is_followed_with_unequal_ones() -> None
     assert path.error <= 1e-6
 
 
+@pytest.mark.long
 def test_another_path_is_followed_where_one_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
     """The same step: four paths, each of its own shares, and then a long one."""
     pytest.importorskip("mujoco")

@@ -33,6 +33,7 @@ def test_g1_has_flat_feet_with_soles_from_the_urdf() -> None:
 
 
 @pytest.mark.parametrize("name", sorted(CATALOG))
+@pytest.mark.sampled(10)
 def test_every_known_robot_loads(name: str) -> None:
     robot = sf.load_robot(name)
     entry = CATALOG[name]

@@ -134,6 +134,7 @@ def wanting() -> tuple[BipedController, dict[str, int]]:
     return walker, dict(zip(LOGGED, command.asked_by.tolist(), strict=True))
 
 
+@pytest.mark.long
 def test_a_biped_does_what_a_behaviour_gets(wanting: tuple[BipedController, dict[str, int]]) -> None:
     walker, got = wanting
     assert got["mu"] == got["clearance"] == got["acceleration"] == 0

@@ -124,6 +124,7 @@ LONG = pytest.mark.long
                      marks=LONG, id="g1"),
     ],
 )  # fmt: skip
+@pytest.mark.long
 def test_a_walk_resumed_in_a_fresh_process_goes_on_to_the_last_bit(
     case: tuple[str, str, str, bool], pushes: list[Push], at: int, tmp_path: Path
 ) -> None:

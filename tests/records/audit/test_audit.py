@@ -196,6 +196,7 @@ SPOILT = {
 
 @pytest.mark.parametrize("name", SPOILT)
 @pytest.mark.filterwarnings("error")
+@pytest.mark.sampled(17)
 def test_a_wrong_log_is_never_lawful(name: str) -> None:
     report = sf.audit_log(SPOILT[name](log_of(TROT)))
     assert report.verdict != "lawful"

@@ -35,6 +35,7 @@ def shoved(seed: int, steps: int = 900) -> Any:
 
 
 @pytest.mark.parametrize("seed", [3, 8, 13, 26, 34, 55])
+@pytest.mark.sampled(3)
 def test_a_shoved_robot_falls_by_the_laws(seed: int) -> None:
     report = sf.audit_log(shoved(seed))
     assert report.lawful, report.sentence
@@ -55,6 +56,7 @@ def test_a_shoved_robot_falls_by_the_laws(seed: int) -> None:
         pytest.param("g1", "mujoco-exact", (-241.0, -720.0, 8.0), marks=pytest.mark.long),
     ],
 )
+@pytest.mark.sampled(2)
 def test_a_shoved_walk_of_ours_falls_by_the_laws(
     robot: str, world: str, force: tuple[float, float, float]
 ) -> None:
@@ -80,6 +82,7 @@ def test_a_biped_on_facets_and_at_its_stops_walks_by_the_laws(ground: Terrain) -
     assert sf.audit_log(log).laws_broken == ()
 
 
+@pytest.mark.long
 def test_limbs_that_whirl_hide_no_force_from_before() -> None:
     """Rows in which a joint is far beyond its motor's speed are not judged, and a note says how many."""
     own = robot_of("go2")
@@ -114,12 +117,14 @@ def test_limbs_that_whirl_hide_no_force_from_before() -> None:
         ("servo hexapod", "chattering gains", 0),
     ],
 )
+@pytest.mark.sampled(3)
 def test_failures_of_strangers_are_no_broken_laws(loop: str, cause: str, seed: int) -> None:
     report = sf.audit_log(ABLE[loop].failed(cause, seed).log)
     assert report.laws_broken == (), report.sentence
 
 
 @pytest.mark.parametrize(("integrator", "most"), [("EULER", 1e-9), ("IMPLICITFAST", 1e-9), ("RK4", 2e-2)])
+@pytest.mark.sampled(1)
 def test_a_robot_that_turns_fast_in_the_air_needs_no_force(integrator: str, most: float) -> None:
     """MuJoCo changes a base's velocity in the world's axes; its own turn by 2 deg in a step.
 

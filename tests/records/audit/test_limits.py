@@ -120,6 +120,7 @@ def clean_log(number: int) -> Log:
     return clean_runs(number + 1)[number].make()
 
 
+@pytest.mark.long
 def test_every_made_case_is_right_and_says_where_its_size_is_from() -> None:
     made = list(made_cases(clean_log))
     assert not [one.name for one in made if not one.right(LIMITS)]

@@ -21,6 +21,7 @@ def test_there_are_enough_kinds_and_each_has_its_symptom() -> None:
 
 
 @pytest.mark.parametrize("fault", [f for f in LOG_FAULTS if f.name != "mirror"], ids=lambda f: f.name)
+@pytest.mark.sampled(20)
 def test_a_seeded_fault_is_found_with_foot_time_and_cause(fault: LogFault) -> None:
     spoilt = next(iter(faulty_logs(fault, (log_of(run) for run in (*RUNS, PUSHED)), 1)))
     report = audit_log(spoilt.log)

@@ -41,7 +41,7 @@ ABLE = {loop.name: loop for loop in (*LOOPS, *OTHERS)}
         ("wheeled balancer", "sensor bias", 1),
     ],
 )
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2)
 def test_the_cause_comes_first(loop: str, cause: str, seed: int) -> None:
     run = ABLE[loop].failed(cause, seed)
     assert run.fault is not None

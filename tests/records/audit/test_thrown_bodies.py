@@ -35,6 +35,7 @@ def throw(speed: float, mu: float, size: str = ".1 .1 .1", height: float = 0.1, 
 
 @pytest.mark.parametrize("speed", [6.0, 8.0, 10.0])
 @pytest.mark.parametrize("mu", [0.5, 0.7])
+@pytest.mark.sampled(3)
 def test_what_soft_contact_lifts_is_told_from_what_rigid_contact_slides(speed: float, mu: float) -> None:
     soft, rigid = (sf.audit_log(throw(speed, mu, exact=exact)) for exact in (False, True))
     assert soft.first_cause is not None

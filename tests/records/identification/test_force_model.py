@@ -34,6 +34,7 @@ def _cut(log: LegLog, rows: slice) -> LegLog:
     return dataclasses.replace(log, **fields)
 
 
+@pytest.mark.long
 def test_forces_of_rows_kept_back(made_up: Path, fitted: sf.ForceModel) -> None:
     truth = np.loadtxt(made_up / "truth.csv", delimiter=",", skiprows=1)[:, 1:]
     found = fitted.estimate(made_up / "kept.csv")
@@ -110,7 +111,7 @@ def test_wrong_input_is_one_line(made_up: Path, fitted: sf.ForceModel, tmp_path:
 @pytest.mark.skipif(not RECORDED.exists(), reason="the recorded hopper is not beside the checkout")
 @pytest.mark.parametrize("parts", [2, 3], ids=["halves", "two thirds"])
 @pytest.mark.parametrize("first", [True, False], ids=["first", "last"])
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 def test_the_recorded_hopper_across_parts(parts: int, first: bool) -> None:
     robot = sf.load_robot(RECORDED / "hopper.urdf", fixed_base=True)
     log = read_leg_log(RECORDED / "hopper.csv")

@@ -42,7 +42,7 @@ def test_mujoco_does_what_the_translation_says(law: SoftLaw, mass: float) -> Non
     ],
     ids=["default", "bouncy", "direct", "stiff"],
 )
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 def test_the_law_is_mujocos_own(words: dict[str, tuple[float, ...]]) -> None:
     pytest.importorskip("mujoco")
     found = translate(EngineContact("mujoco", words), "mujoco", 3.0, dt=2e-5)

@@ -99,6 +99,7 @@ def crates(rows: int) -> tuple[Any, Any]:
 
 
 @pytest.mark.parametrize("rows", [3, 7])
+@pytest.mark.sampled(1)
 def test_few_and_many_contacts_agree_with_mujocos_own_matrices(rows: int) -> None:
     """Of many the matrices are sparse and the bodies known; MuJoCo's dense inertia tells the same."""
     model, data = crates(rows)

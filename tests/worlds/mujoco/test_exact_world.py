@@ -223,6 +223,7 @@ def test_a_file_that_is_a_world_has_exact_contacts_too() -> None:
 
 
 @pytest.mark.parametrize(("seed", "height"), [(3, 0.05), pytest.param(5, 0.08, marks=pytest.mark.long)])
+@pytest.mark.long
 def test_forces_on_facets_of_rough_ground_explain_the_motion(seed: int, height: float) -> None:
     """A foot that bears has its facets' normal: by the terrain's, forces were newtons beside."""
     own, ground = robot_of("go2"), rough_ground(seed, height)

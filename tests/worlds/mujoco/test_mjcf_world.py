@@ -94,6 +94,7 @@ def test_one_step_is_that_of_mujoco_itself() -> None:
 @pytest.mark.parametrize(
     "path", [pytest.param(MOTORS, marks=pytest.mark.long), SERVOS], ids=["motors", "servos"]
 )
+@pytest.mark.long
 def test_a_quadruped_walks_in_its_own_file(path: Path) -> None:
     robot = load(path)
     world = MjcfWorld(robot, path)

@@ -118,6 +118,7 @@ def test_weight_that_is_put_on_breaks_no_law() -> None:
     assert "changed masses" in report.coverage["centre of mass"]
 
 
+@pytest.mark.long
 def test_the_robot_is_what_actuators_drive() -> None:
     text = QUADRUPED.replace(
         "</worldbody>",

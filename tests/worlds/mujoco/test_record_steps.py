@@ -81,6 +81,7 @@ def test_all_ways_to_step_give_the_same_rows(make: Callable[[Any, Any, int], Non
     assert sf.audit_log(found).verdict == sf.audit_log(expected).verdict == "lawful"
 
 
+@pytest.mark.long
 def test_runge_and_kutta_and_its_halves() -> None:
     """MuJoCo's second half takes Euler's step whatever the integrator."""
     option = "integrator='RK4'"
@@ -259,6 +260,7 @@ def swung(option: str) -> sf.Log:
 
 
 @pytest.mark.parametrize("option", ["", "integrator='RK4'", "solver='PGS'", "jacobian='sparse'"])
+@pytest.mark.sampled(2)
 def test_a_mujoco_of_an_unknown_layout_is_asked_by_its_bindings(
     option: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

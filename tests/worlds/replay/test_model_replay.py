@@ -82,6 +82,7 @@ def quadruped() -> tuple[Any, Any]:
     return model, log
 
 
+@pytest.mark.long
 def test_a_robot_on_a_step_beside_a_ball_is_replayed_whole(
     quadruped: tuple[Any, Any], tmp_path: Path
 ) -> None:

@@ -71,6 +71,7 @@ def test_a_trot_that_needs_its_friction_is_lost_on_ice() -> None:
     assert replay_log(log, "rigid", mu=0.03).verdict == "lost"
 
 
+@pytest.mark.long
 def test_what_holds_only_in_its_own_world_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
     """A world that is told apart from the log's own by its gravity: the robot cannot carry itself there."""
     from surefoot.worlds.interface import world_names as worlds

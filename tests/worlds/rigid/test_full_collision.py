@@ -115,6 +115,7 @@ def test_feet_alone_are_what_they_were():
     assert {t.other for t in feet.touches()} == {"ground"}
 
 
+@pytest.mark.long
 def test_soft_ground_is_of_feet_and_derivatives_are_of_all_that_touches():
     with pytest.raises(ProblemError, match="rigid"):
         RigidWorld(ROBOT, law=SpringDamper(2e4, 100.0), collision="full")

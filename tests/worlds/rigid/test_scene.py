@@ -247,6 +247,7 @@ def test_a_row_that_touches_passes_a_push_on_between_many():
         np.testing.assert_allclose(pose.rotation, other.rotation, atol=1e-9)
 
 
+@pytest.mark.long
 def test_bodies_with_many_contacts_are_told_to_the_solver_and_carry_their_weights(monkeypatch):
     """Of 36 stacks of two the velocities are fewer than the contacts' rows; single stacks need none of it."""
     asked = []

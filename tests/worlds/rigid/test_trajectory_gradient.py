@@ -200,7 +200,7 @@ def caught(mass, x, kp) -> None:
     (partial(slid, boxes=5), {"mu": 0.4, "rough": 0.35, "m": 0.7, "push": 30.0, "x": 0.004}),
     (dropped, {"h": 0.3, "e": 0.8, "m": 0.5, "mu": 0.3}),
 ], ids=["on a robot", "oblique", "pushed stack", "stack of 5", "on a ball that lies"])  # fmt: skip
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 def test_scenes_have_the_gradient_of_differences(rollout, given) -> None:
     gradient = sf.trajectory_gradient(
         rollout, lambda q, v: q[-1, 0] + 2.0 * q[-1, 7] + v[-1, 6], wrt=list(given)

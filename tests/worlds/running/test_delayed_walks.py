@@ -51,6 +51,7 @@ def test_targets_slide_less_than_torques() -> None:
     assert slips[1] < 0.7 * slips[0]
 
 
+@pytest.mark.long
 def test_targets_do_not_slide_feet_after_a_push() -> None:
     push = Push(1.55, (-150.0, 0.0, 0.0), 0.1)
     _, summary = late(Wiring(targets=True), 2.3, pushes=[push])
@@ -58,6 +59,7 @@ def test_targets_do_not_slide_feet_after_a_push() -> None:
     assert max(foot.slip for foot in summary.feet) < 5e-3
 
 
+@pytest.mark.long
 def test_a_short_silence_is_walked_through_and_a_long_one_told() -> None:
     log, summary = late(Wiring(targets=True, dropouts=((1.0, 0.015), (1.5, 0.05))))
     assert summary.success

@@ -27,6 +27,7 @@ def test_a_robot_that_watches_walks_on_ice_that_throws_another() -> None:
     assert max(foot.slip for foot in careless.feet) > 0.03
 
 
+@pytest.mark.long
 def test_a_patch_of_ice_is_where_it_says_and_the_log_knows() -> None:
     patches = (IcePatch((0.3, -1.0), (0.6, 1.0), 0.25),)
     log, summary = walk(0.5, 2.5, patches=patches, sensors=SensorModel(), seed=2)

@@ -12,7 +12,7 @@ from surefoot.worlds.running.run import Ice, Push
 from tests.worlds.running.walks import walk
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("velocity", [(1.0, 0.0, 0.0), (0.0, 0.3, 0.0), (0.0, 0.0, 0.8)])
 def test_a_trot_follows_its_command_inside_the_cones(velocity: tuple[float, float, float]) -> None:
     log, summary = walk(velocity, 5.0)
@@ -71,6 +71,7 @@ def test_a_trot_survives_pushes(side: float) -> None:
     assert commanded_excess(log).max() == 0.0
 
 
+@pytest.mark.long
 def test_a_trot_crosses_ice() -> None:
     log, summary = walk(ice=(Ice(1.5, 0.2), Ice(3.0, 0.6)), duration=4.0)
     assert summary.success

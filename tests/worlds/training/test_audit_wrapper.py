@@ -279,6 +279,7 @@ def test_copies_and_pickles_watch_their_own_data() -> None:
     assert (info["audit"]["verdict"], info["audit"]["rows"]) == ("lawful", 100)
 
 
+@pytest.mark.long
 def test_closed_environments_leave_mujocos_functions_as_they_were() -> None:
     """The last one puts them back; a recording beside it is none the worse."""
     gc.collect()  # environments of other tests

@@ -161,6 +161,7 @@ def test_rollouts_of_c_are_logs() -> None:
             sf.rl.log_rollouts(model, **given)
 
 
+@pytest.mark.long
 def test_vector_environments_are_recorded() -> None:
     """A log of each of a vector environment's; its workers hand theirs over by info."""
     gymnasium = pytest.importorskip("gymnasium")

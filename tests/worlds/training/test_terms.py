@@ -129,7 +129,7 @@ def test_half_the_load_is_half_of_the_slip() -> None:
 
 
 @pytest.mark.parametrize("name", TERMS)
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 def test_jax_gives_numpys_numbers_and_finite_slopes(name: str) -> None:
     """Jitted, to rounding; slopes are those of differences, and finite where everything rests."""
     jax = pytest.importorskip("jax")

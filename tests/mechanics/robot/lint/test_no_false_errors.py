@@ -14,6 +14,7 @@ from tests.mechanics.robot.lint import models
 
 
 @pytest.mark.parametrize("name", sf.robot_names())
+@pytest.mark.sampled(10)
 def test_no_robot_of_the_catalogue_has_an_error(name: str) -> None:
     found = lint_of(name)
     assert found.ok, str(found)

@@ -150,6 +150,7 @@ def test_more_rows_than_room_and_a_full_arena() -> None:
         assert np.isfinite(data.qpos).all()
 
 
+@pytest.mark.long
 def test_models_recompiled_and_freed() -> None:
     """A spec is compiled anew: the old stepper keeps its model alive and refuses the new one's data."""
     floor = '<geom type="plane" size="9 9 1"/>'
