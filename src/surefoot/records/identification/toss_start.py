@@ -124,22 +124,25 @@ class TossFlight:
 
     def deviations(self, noise: tuple[float, float]) -> FloatArray:
         """Return the standard deviations (B, 2 nv) of first states for noise of places [m], turns [rad]."""
-        return np.asarray(np.sqrt(np.einsum("bkk->bk", self._spread(noise))))
+        gain = self.covariance[self._owner] @ np.swapaxes(self._J, 1, 2) * self._sizes(noise)
+        squares = np.zeros((len(self.starts), 2 * self._nv))
+        np.add.at(squares, self._owner, np.square(gain).sum(axis=2))
+        return np.sqrt(squares)
 
     def shaken(
         self, starts: FloatArray, noise: tuple[float, float], random: np.random.Generator
     ) -> FloatArray:
-        """Return first states (B, nq + nv) with errors as noise makes them."""
-        factors = np.linalg.cholesky(self._spread(noise) + 1e-18 * np.eye(2 * self._nv))
-        draws = random.normal(size=(len(starts), 2 * self._nv))
-        return self._add_change(starts, np.einsum("bkl,bl->bk", factors, draws))
+        """Return first states (B, nq + nv) with errors as noise of places [m], turns [rad] makes them.
 
-    def _spread(self, noise: tuple[float, float]) -> FloatArray:
-        """Return the covariances (B, 2 nv, 2 nv) of the first states."""
-        weights = np.repeat(np.square(noise), [3, self._nv - 3])
-        middle = np.zeros_like(self.covariance)
-        np.add.at(middle, self._owner, np.einsum("nik,i,nil->nkl", self._J, weights, self._J))
-        return np.asarray(self.covariance @ middle @ self.covariance)
+        Every row is shaken, and explained: the covariance of the first states, of which a flight of a few
+        frames tells some hardly at all, has no factor that rounding leaves alone.
+        """
+        rows = random.normal(size=(len(self._rows), self._nv)) * self._sizes(noise)
+        return self._add_change(starts, self._explain(rows))
+
+    def _sizes(self, noise: tuple[float, float]) -> FloatArray:
+        """Return the standard deviations (nv,) of a row's differences."""
+        return np.repeat(noise, [3, self._nv - 3])
 
     def _guess(self) -> FloatArray:
         """Return first states with mean velocities for velocities."""
