@@ -106,10 +106,11 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     proof = None
     if error > max(settings.tol, POSSIBLE) and (tried or _run_away(problem, forces)):
         # where a light interior point fails there may be no answer, and forces that run away look like
-        # progress. Where time is bounded, the look is: else no clock may decide what is found
+        # progress, but so do those of light bodies under heavy ones: these are worth a plain look alone.
+        # Where time is bounded, the look is: else no clock may decide what is found
         taken = working_time() - start
         left = settings.max_time - taken
-        proof = find_proof(problem, min(left, max(taken, EARLY_TIME, EARLY * left)))
+        proof = find_proof(problem, min(left, max(taken, EARLY_TIME, EARLY * left)), plain=not tried)
     if error <= settings.tol or proof is not None:
         return Answer(forces.reshape(-1, 3), done, proof=proof)
     guess = None if far > NO_GUESS else forces.reshape(-1, 3)
