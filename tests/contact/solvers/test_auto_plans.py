@@ -14,6 +14,7 @@ from numba.core import event
 import surefoot as sf
 from benchmarks.problems.contacts import capsules, stack, wall
 from benchmarks.problems.heaps import rocks
+from benchmarks.problems.judge import judge
 from surefoot.base.kernels import working_time
 from surefoot.contact.laws import LAWS
 from surefoot.contact.solvers import auto, on_blocks, redundant_contacts
@@ -265,21 +266,34 @@ def test_a_proof_comes_last_of_a_problem_that_is_nearly_solved(
 
 
 def test_only_forces_that_run_away_are_doubted_early(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A look for a proof in the middle of a heap's solve took a seventh of it, and found nothing."""
-    looks: list[sf.ContactProblem] = []
-    monkeypatch.setattr(auto, "find_proof", lambda problem, _: looks.append(problem))
-    alternate = on_blocks.alternate
+    """A look for a proof in the middle of a heap's solve took a seventh of it, and found nothing.
 
-    def alone(*given: Any) -> Any:
-        alternate(*given)
-        raise NotImplementedError("the rest of the plan")
+    Under heavy bodies the forces of light ones are large: a whole look took half of the solve.
+    """
+    looks: list[tuple[int, bool]] = []
+    monkeypatch.setattr(auto, "find_proof", lambda problem, _, plain: looks.append((problem.contacts, plain)))
 
-    monkeypatch.setattr(on_blocks, "alternate", alone)
+    def rest_of_the_plan(*_: Any) -> Any:
+        raise NotImplementedError
+
+    monkeypatch.setattr(auto, "_run", rest_of_the_plan)
     heap = capsules(np.random.default_rng(1), 60, 276, 0.5, push=0.01)
-    for problem in (heap, squeezed(64)):
+    drawn = rocks(np.random.default_rng([0, 77]), 100, 463, 0.6, 1e3)
+    mixed = sf.ContactProblem(drawn.G, drawn.g, drawn.mu)
+    for problem, most in ((heap, 100), (squeezed(200), 100), (mixed, 2000)):
         with pytest.raises(NotImplementedError):
-            sf.solve(problem, max_iterations=2000)
-    assert [problem.contacts for problem in looks] == [64]
+            sf.solve(problem, max_iterations=most)
+    assert looks == [(200, False), (463, True)]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_rocks_of_mixed_masses_are_solved_where_nobody_knows_the_bodies(seed: int) -> None:
+    """Seven seconds of everything else ended at 1e-5."""
+    drawn = rocks(np.random.default_rng([seed, 77]), 100, 463, 0.6, 1e3)
+    found = sf.solve(sf.ContactProblem(drawn.G, drawn.g, drawn.mu), tol=1e-6)
+    assert found.solved
+    assert judge(drawn, found.forces) <= 1e-6
 
 
 def test_the_clock_stands_still_while_kernels_are_compiled(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -37,6 +37,7 @@ from surefoot.contact.solvers.newton_step import FEW
 from surefoot.contact.solvers.redundant_contacts import (
     where_dense,
     where_few_bodies,
+    where_heaviest,
     where_light,
     where_lightest,
     where_long,
@@ -103,20 +104,24 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
         return max(found.iterations, 1)
 
     done, error, far = on_blocks.alternate(problem, settings, forces, light)
-    proof = None
-    if error > max(settings.tol, POSSIBLE) and (tried or _run_away(problem, forces)):
+    proof, doubted = None, error > max(settings.tol, POSSIBLE)
+    runs_away = doubted and not tried and _run_away(problem, forces)
+    if doubted and (tried or runs_away):
         # where a light interior point fails there may be no answer, and forces that run away look like
         # progress, but so do those of light bodies under heavy ones: these are worth a plain look alone.
         # Where time is bounded, the look is: else no clock may decide what is found
         taken = working_time() - start
         left = settings.max_time - taken
-        proof = find_proof(problem, min(left, max(taken, EARLY_TIME, EARLY * left)), plain=not tried)
+        proof = find_proof(problem, min(left, max(taken, EARLY_TIME, EARLY * left)), plain=runs_away)
     if error <= settings.tol or proof is not None:
         return Answer(forces.reshape(-1, 3), done, proof=proof)
     guess = None if far > NO_GUESS else forces.reshape(-1, 3)
     if tried and (found := worst_of(problem, tried[0])) < error:
         guess, error = tried[0], found
-    return _run(problem, settings, guess, done, _large_plan(problem, bool(tried), error), start)
+    plan = _large_plan(problem, bool(tried), error)
+    if runs_away:  # as under Newton steps, which have just failed
+        plan = tuple(stage for stage in plan if stage != plans.FIRST_NEWTON)
+    return _run(problem, settings, guess, done, plan, start)
 
 
 def _large_plan(problem: ContactProblem, tried: bool, error: float) -> Plan:
@@ -291,6 +296,7 @@ LOOKS = {
     plans.FEW_BODIES: where_few_bodies,
     plans.SPARSE: where_sparse,
     plans.DENSE: where_dense,
+    plans.HEAVIEST: where_heaviest,
     plans.LONG_PATH: where_long,
     plans.LIGHTEST: where_lightest,
     plans.LATER: later_rounds,

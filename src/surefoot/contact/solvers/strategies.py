@@ -10,6 +10,7 @@ NEWTON_STEPS = "newton where its steps are light"
 INTERIOR = "interior point, redundant contacts"
 FEW_BODIES, LIGHTEST = "interior point, few bodies", "interior point, lightest steps"
 SPARSE, DENSE = "interior point, sparse matrix", "interior point, dense matrix"
+HEAVIEST = "interior point, heaviest matrix"
 LONG_PATH = "interior point, a long path"
 LATER = "later rounds of the compiled call"
 """What is tried besides solvers; see `auto`."""
@@ -83,14 +84,15 @@ CONES_MORE: dict[str, Plan] = {
 }
 """After the first round of the compiled call on more contacts: a dense iteration of ADMM costs more than a
 sweep on blocks."""
-_FIRST = PlanStage(NEWTON_STEPS, 60), PlanStage(PARTS), PlanStage(SPARSE)
-AFTER = PlanStage(NEWTON_STEPS, 100, warm=True)
+FIRST_NEWTON, AFTER = PlanStage(NEWTON_STEPS, 60), PlanStage(NEWTON_STEPS, 100, warm=True)
+_FIRST = FIRST_NEWTON, PlanStage(PARTS), PlanStage(SPARSE)
 """What comes before and after the first iterations of ADMM: Newton finds the modes of most, and again those
 that ADMM's forces suggest."""
 _LAST: dict[str, Plan] = {
     "coulomb": (
         PlanStage(DENSE),
         PlanStage(ADMM_AND_NEWTON, 6000, warm=True),
+        PlanStage(HEAVIEST),
         PlanStage(PROOF),
         PlanStage(LONG_PATH),
         PlanStage(ADMM_AND_NEWTON, 20_000, warm=True),
