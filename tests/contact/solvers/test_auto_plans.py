@@ -289,7 +289,7 @@ def test_only_forces_that_run_away_are_doubted_early(monkeypatch: pytest.MonkeyP
 @pytest.mark.long
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_rocks_of_mixed_masses_are_solved_where_nobody_knows_the_bodies(seed: int) -> None:
-    """Seven seconds of everything else ended at 1e-5."""
+    """Seven seconds of everything else ended above 1e-6."""
     drawn = rocks(np.random.default_rng([seed, 77]), 100, 463, 0.6, 1e3)
     found = sf.solve(sf.ContactProblem(drawn.G, drawn.g, drawn.mu), tol=1e-6)
     assert found.solved

@@ -148,9 +148,8 @@ def _judge_fit(
     effort: tuple[float, float],
 ) -> TossFit:  # fmt: skip
     """Return a fit with its errors; `effort` is how many tosses were simulated, and when it began [s]."""
-    values, spread, found, own = refit.values, refit.draws, refit.found, simulator.parameters
+    values, fitted, found, own = refit.values, refit.estimates, refit.found, simulator.parameters
     scene, before, (count, begin) = found.scene(tosses), found.before(tosses), effort
-    fitted = {p.name: estimate_of(values[k], spread[:, k], p.unit) for k, p in enumerate(own)}
     wide = [p.name for p in own if fitted[p.name].high - fitted[p.name].low > UNKNOWN * (p.high - p.low)]
     if wide:
         notes.append(f"{simulator.name}: the tosses hardly tell {', '.join(wide)}")
@@ -325,10 +324,9 @@ class _BodySearch:
         best = search(simulate, parameters, values, part.frames, draws, held)
         self.values = fixed | dict(zip(names, best.values.tolist(), strict=True))
         for k, p in enumerate(parameters):
-            if p.name not in law:
-                self.draws[p.name] = best.draws[:, k]
-                if p.name not in SLOPES:  # told as tilts
-                    self.estimates[p.name] = estimate_of(best.values[k], best.draws[:, k], p.unit)
+            self.draws[p.name] = best.draws[:, k]
+            if p.name not in (*law, *SLOPES):  # told as tilts, and by each law
+                self.estimates[p.name] = estimate_of(best.values[k], best.draws[:, k], p.unit)
         now = self._body.at(self.values)
         self._flight = TossFlight(self._tosses, self._before, now.tree, self.values["gravity"])
         return best.loss

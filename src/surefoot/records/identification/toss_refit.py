@@ -18,7 +18,7 @@ from surefoot.base.arrays import FloatArray
 from surefoot.records.identification.ground_plane import GroundPlane
 from surefoot.records.identification.thrown_body import ThrownBody, TossParameter
 from surefoot.records.identification.toss_fit import SLOPES, BodyFit, Estimate, plane_at
-from surefoot.records.identification.toss_model import TossModel, TossScene
+from surefoot.records.identification.toss_model import ThrownModel, TossModel, TossScene
 from surefoot.records.identification.toss_search import SearchResult, search
 from surefoot.records.identification.toss_start import TossFlight
 from surefoot.records.identification.tosses import Tosses
@@ -30,10 +30,10 @@ RISE, STEEPEST = 2e-3, 0.2
 
 
 class Refit(NamedTuple):
-    """A law's values (d,) with their bootstrap draws (S, d), the body found with them, and the search."""
+    """A law's values (d,) with their intervals by name, the body found with them, and the search."""
 
     values: FloatArray
-    draws: FloatArray
+    estimates: dict[str, Estimate]
     found: BodyFit
     result: SearchResult
 
@@ -62,10 +62,10 @@ def tilts(values: dict[str, float], draws: dict[str, FloatArray]) -> dict[str, E
     return out
 
 
-def estimate_of(value: float, draws: FloatArray, unit: str) -> Estimate:
-    """Return a value and the 95 % interval of its draws (S,), which holds it."""
-    low, high = np.percentile(draws, [2.5, 97.5])
-    return Estimate(float(value), min(float(low), float(value)), max(float(high), float(value)), unit)
+def estimate_of(value: float, draws: FloatArray, unit: str, *others: FloatArray) -> Estimate:
+    """Return a value and the 95 % interval of its draws (S,), which holds it, and those of others."""
+    low, high = np.percentile([draws, *others], [2.5, 97.5], axis=1)
+    return Estimate(float(value), float(min(value, *low)), float(max(value, *high)), unit)
 
 
 def refit_body(
@@ -100,18 +100,36 @@ def refit_body(
     best = search(simulate, parameters, start, tosses.frames, draws, scale=found.scale, descents=2)
     spread = dict(zip(names, best.draws.T, strict=True))
     here = now | dict(zip(names, best.values.tolist(), strict=True))
-    # whole throws are steep in the body's numbers, where another corner lands first, and seem to tell them
-    # better than they do: what the frames after the first touch left open is open still
-    for p in around:
-        if p.name in found.draws:
-            known = here[p.name] + found.draws[p.name] - now[p.name]
-            spread[p.name] = wider_draws(spread[p.name], np.clip(known, p.low, p.high))
-    drawn = found.draws | {p.name: spread[p.name] for p in around}
-    estimates = found.parameters | tilts(here, drawn)
-    for name, unit in (("gravity", "m/s²"), *((p.name, p.unit) for p in around if p.name not in SLOPES)):
-        estimates[name] = estimate_of(here[name], drawn[name], unit)
-    refitted = found.at(found.numbers._replace(values=here, draws=drawn, parameters=estimates))
-    return Refit(best.values[:count], best.draws[:, :count], refitted, best)
+    told = (*own, *around)
+    # the body's first law was one of ours
+    known = told if isinstance(simulator, ThrownModel) else around
+    drawn, estimates = _widen(found, here, spread, told, {p.name for p in known})
+    around_it = found.parameters | tilts(here, drawn)
+    around_it["gravity"] = estimate_of(here["gravity"], drawn["gravity"], "m/s²")
+    around_it |= {p.name: estimates[p.name] for p in around if p.name not in SLOPES}
+    refitted = found.at(found.numbers._replace(values=here, draws=drawn, parameters=around_it))
+    return Refit(best.values[:count], {p.name: estimates[p.name] for p in own}, refitted, best)
+
+
+def _widen(
+    found: BodyFit, here: dict[str, float], spread: dict[str, FloatArray], told: tuple[TossParameter, ...],
+    known: set[str],
+) -> tuple[dict[str, FloatArray], dict[str, Estimate]]:  # fmt: skip
+    """Return draws (S,) and intervals by name, no narrower than those of the body before.
+
+    Whole throws are steep in the numbers of body and law, where another corner lands first, and seem to tell
+    them better than they do: what the frames after the first touch left open of those `known` is open still,
+    and what they told remains possible.
+    """
+    drawn, estimates = dict(found.draws), {}
+    for p in told:
+        early = [found.draws[p.name]] if p.name in known and p.name in found.draws else []
+        drawn[p.name] = spread[p.name]
+        for draw in early:
+            moved = np.clip(here[p.name] + draw - found.values[p.name], p.low, p.high)
+            drawn[p.name] = wider_draws(drawn[p.name], moved)
+        estimates[p.name] = estimate_of(here[p.name], drawn[p.name], p.unit, *early)
+    return drawn, estimates
 
 
 def wider_draws(one: FloatArray, other: FloatArray) -> FloatArray:
