@@ -63,8 +63,8 @@ def tilts(values: dict[str, float], draws: dict[str, FloatArray]) -> dict[str, E
 
 
 def estimate_of(value: float, draws: FloatArray, unit: str, *others: FloatArray) -> Estimate:
-    """Return a value and the 95 % interval of its draws (S,), which holds it, and those of others."""
-    low, high = np.percentile([draws, *others], [2.5, 97.5], axis=1)
+    """Return a value and the 95 % interval of its draws (S,), which holds it, and those of others (R,)."""
+    low, high = np.transpose([np.percentile(each, [2.5, 97.5]) for each in (draws, *others)])
     return Estimate(float(value), float(min(value, *low)), float(max(value, *high)), unit)
 
 
