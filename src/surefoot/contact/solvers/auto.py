@@ -71,7 +71,8 @@ NO_GUESS = 0.1
 """A force error above which forces are no better a start than none."""
 RUNAWAY = 100.0
 """Forces beyond this many times s_k / ||G_kk||, what stops the fastest contact, run away: 8e3 to 1e5 where
-redundant contacts contradict each other, 12 in dense heaps of capsules."""
+redundant contacts contradict each other, 12 in dense heaps of capsules; but up to 850, too, under bodies a
+thousand times as heavy and more."""
 
 
 @register("auto", laws=None, bilateral=True, polyhedral=True, general=True, attempt=attempt, proves=True)
@@ -118,20 +119,21 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     guess = None if far > NO_GUESS else forces.reshape(-1, 3)
     if tried and (found := worst_of(problem, tried[0])) < error:
         guess, error = tried[0], found
-    plan = _large_plan(problem, bool(tried), error)
-    if runs_away:  # as under Newton steps, which have just failed
-        plan = tuple(stage for stage in plan if stage != plans.FIRST_NEWTON)
+    plan = _large_plan(problem, bool(tried), error, runs_away)
     return _run(problem, settings, guess, done, plan, start)
 
 
-def _large_plan(problem: ContactProblem, tried: bool, error: float) -> Plan:
+def _large_plan(problem: ContactProblem, tried: bool, error: float, runs_away: bool = False) -> Plan:
     """Return the plan of many contacts: ADMM first where bodies are known and few, or Newton steps heavy.
 
     Without the interior point that was tried already, but for its long path; where that has left a small
-    error, Newton steps from there come before all else.
+    error, Newton steps from there come before all else. Without the first Newton steps where forces have run
+    away under some.
     """
     lighter = problem.factor is not None and (few_bodies(problem) or problem.contacts > on_blocks.FULL)
     plan = (plans.CONES_BODIES if lighter else plans.CONES_LARGE)[problem.law]
+    if runs_away:
+        return tuple(stage for stage in plan if stage != plans.FIRST_NEWTON)
     if not tried:
         return plan
     rest = tuple(stage for stage in plan if stage.name != plans.SPARSE)
