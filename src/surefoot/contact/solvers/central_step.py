@@ -92,6 +92,16 @@ class Iterate(NamedTuple):
     border_y: FloatArray
 
 
+@inline_kernel
+def ends_central(
+    point: Iterate, dx: FloatArray, dy: FloatArray, length: float, least: float, after: Iterate
+) -> bool:
+    """Fill the point after a length of a step; is it inside both cones, and as central as `least`?"""
+    inside = move_points(point.x, point.border_x, dx, length, after.x, after.border_x)
+    inside = move_points(point.y, point.border_y, dy, length, after.y, after.border_y) and inside
+    return inside and centrality(after.x, after.border_x, after.y, after.border_y) >= least
+
+
 class Scaling(NamedTuple):
     """What `scale_pairs` fills: axes (n, 4), l (n, 3) and P S⁻¹ (n, 3, 3)."""
 
@@ -143,9 +153,7 @@ def central_step(
     length = min(1.0, TO_BORDER * longest_inside(x, border_x, y, border_y, dx, dy))
     enough = min(OFF_CENTRE, LESS * centrality(x, border_x, y, border_y))
     while length > SHORTEST:
-        inside = move_points(x, border_x, dx, length, after.x, after.border_x)
-        inside = move_points(y, border_y, dy, length, after.y, after.border_y) and inside
-        if inside and centrality(after.x, after.border_x, after.y, after.border_y) >= enough:
+        if ends_central(point, dx, dy, length, enough, after):
             return length
         length *= SHORTER
     return 0.0

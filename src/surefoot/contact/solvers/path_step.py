@@ -29,10 +29,11 @@ from surefoot.contact.solvers.central_step import (
     REFINEMENTS,
     Iterate,
     Scaling,
+    ends_central,
     fill_direction,
     longest_inside,
 )
-from surefoot.contact.solvers.cone_pairs import aim_pairs, apply_scaling, centrality, move_points
+from surefoot.contact.solvers.cone_pairs import aim_pairs, apply_scaling, centrality
 from surefoot.contact.solvers.reduced_system import Factors, Rows
 
 NEAR = 1.0
@@ -128,12 +129,9 @@ def _arrive(
     least: float, after: Iterate,
 ) -> float:  # fmt: skip
     """Fill the point after a length of a step that bends, shortened until it is as central; return that."""
-    x, border_x, y, border_y = point
     while length > SHORTEST:
         dx, dy = step[0] + length * bend[0], step[1] + length * bend[1]
-        inside = move_points(x, border_x, dx, length, after.x, after.border_x)
-        inside = move_points(y, border_y, dy, length, after.y, after.border_y) and inside
-        if inside and centrality(after.x, after.border_x, after.y, after.border_y) >= least:
+        if ends_central(point, dx, dy, length, least, after):
             return length
         length *= SHORTER
     return 0.0
