@@ -31,9 +31,9 @@ def face(package: str, file: str, *own: str) -> tuple[Callable[[str], Any], Call
         if name == "__all__":
             return list(stub()[1])
         if name.startswith("__") or name not in stub()[1]:
-            raise AttributeError(
-                f"module {package!r} has no attribute {name!r}{_hint(name, stub()[1])}", name=name
-            )
+            # `doctest` and `inspect` ask for names of Python's own by the thousand: no guess for those
+            hint = "" if name.startswith("__") else _hint(name, stub()[1])
+            raise AttributeError(f"module {package!r} has no attribute {name!r}{hint}", name=name)
         return stub()[0](name)
 
     return load, lambda: sorted(stub()[1])
