@@ -39,6 +39,16 @@ def test_no_legged_robot_is_left_out() -> None:
     assert set(robot_names()) == set(CATALOG)
 
 
+def test_motors_have_limits_that_are_some() -> None:
+    """The strongest leg gives half its robot's weight on a metre; files without a figure say 40 times it."""
+    for name in set(LEGGED) - {"quadruped"}:  # a model of no robot that was built
+        robot = load(name)
+        given = robot.effort_limits[np.isfinite(robot.effort_limits)]
+        assert given.max() < robot.mass * 9.81 * 1.0, name
+    assert load("solo12").effort_limits.tolist() == [2.5] * 12
+    assert load("solo12").speed_limits.tolist() == [84.0] * 12
+
+
 @pytest.mark.parametrize("name", LEGGED)
 def test_legged_robot_is_placed_on_the_ground(name: str) -> None:
     robot = load(name)

@@ -79,13 +79,18 @@ def test_a_robot_with_slow_joints_jumps():
 
 
 def test_limits_that_no_motor_has_are_unknown(go2):
-    solo12 = sf.load_robot("solo12")
-    assert unknown_limits(solo12) == ("torque", "speed")
-    assert unknown_limits(go2) == ()
-    likely = mover(PlanRequest(solo12))
+    bare = sf.load_robot("quadruped")
+    assert unknown_limits(bare) == ("torque", "speed")
+    assert (
+        unknown_limits(go2)
+        == unknown_limits(sf.load_robot("solo12"))
+        == unknown_limits(sf.load_robot("ur5"))
+        == ()
+    )
+    likely = mover(PlanRequest(bare))
     assert (likely.effort_limits < 10.0).all()
     assert (likely.speed_limits < 100.0).all()
-    assert (solo12.effort_limits == 1000.0).all()
+    assert (bare.effort_limits == 1000.0).all()
 
 
 @pytest.mark.parametrize(

@@ -51,6 +51,10 @@ def test_a_shoved_robot_falls_by_the_laws(seed: int) -> None:
         ("go2", "mujoco", (-196.0, -330.0, 77.0)),
         ("go2", "mujoco-exact", (334.0, -476.0, -49.0)),  # stops take joints back without speed
         ("go2", "mujoco-exact", (-528.0, 189.0, -54.0)),  # a foot comes down at 5 m/s
+        # two kilograms and motors of 2.5 N m: with the 1000 that its file says it flew apart
+        pytest.param("solo12", "rigid", (-52.0, 86.0, 3.0), marks=pytest.mark.long),
+        pytest.param("solo12", "mujoco", (88.0, 15.0, -17.0), marks=pytest.mark.long),
+        pytest.param("solo12", "mujoco-exact", (-70.0, 1.0, -1.0), marks=pytest.mark.long),
         pytest.param("g1", "rigid", (-304.0, 123.0, 56.0), marks=pytest.mark.long),
         pytest.param("g1", "mujoco", (-230.0, 280.0, 0.0), marks=pytest.mark.long),
         pytest.param("g1", "mujoco-exact", (-241.0, -720.0, 8.0), marks=pytest.mark.long),

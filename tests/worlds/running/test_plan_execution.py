@@ -84,9 +84,10 @@ def test_motors_cannot_give_what_a_weaker_robot_has_not(jump: Reference) -> None
 
 
 def test_a_plan_from_a_file_has_the_same_limits(tmp_path: Path) -> None:
-    """Solo12's model gives 1000 N m: a saved jump was executed with them, and burst."""
-    robot = limited_robot(sf.load_robot("solo12"))
-    motion = rollout(robot, sf.place(robot), np.zeros(18), np.zeros((6, 12)), dt=0.01)
+    """Its model gives 1000 N m: a saved jump of such a one was executed with them, and burst."""
+    robot = limited_robot(sf.load_robot("quadruped"))
+    n = robot.joints
+    motion = rollout(robot, sf.place(robot), np.zeros(6 + n), np.zeros((6, n)), dt=0.01)
     plan_from(motion, robot, PlanSearch("fall", "none", 0.0, True, 0, 0.0)).save(tmp_path / "fall.npz")
     done = execute(Plan.read(tmp_path / "fall.npz"), "mujoco", dt=1e-3, settle=0.01)
     np.testing.assert_allclose(done.log.fact("effort_limits"), robot.effort_limits)

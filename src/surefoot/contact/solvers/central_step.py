@@ -96,7 +96,7 @@ class Iterate(NamedTuple):
 def ends_central(
     point: Iterate, dx: FloatArray, dy: FloatArray, length: float, least: float, after: Iterate
 ) -> bool:
-    """Fill the point after a length of a step; is it inside both cones, and as central as `least`?"""
+    """Fill the point after a length of a step (n, 3); return whether it is in both cones, and central."""
     inside = move_points(point.x, point.border_x, dx, length, after.x, after.border_x)
     inside = move_points(point.y, point.border_y, dy, length, after.y, after.border_y) and inside
     return inside and centrality(after.x, after.border_x, after.y, after.border_y) >= least

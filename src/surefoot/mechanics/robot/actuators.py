@@ -173,7 +173,7 @@ def actuators_of(robot: Robot, actuators: str | Actuators) -> Actuators | None:
 
 def limited_robot(robot: Robot) -> Robot:
     """Return a robot with likely torque and speed limits where its model has none, see `unknown_limits`."""
-    unknown, out, height = unknown_limits(robot), copy(robot), float(robot.nominal[2])
+    unknown, out, height = unknown_limits(robot), copy(robot), _height(robot)
     if "torque" in unknown:
         out.effort_limits = np.full(robot.joints, LEG_SHARE * robot.mass * GRAVITY * height)
     if "speed" in unknown:
@@ -183,10 +183,15 @@ def limited_robot(robot: Robot) -> Robot:
 
 def unknown_limits(robot: Robot) -> tuple[str, ...]:
     """Return which of "torque" and "speed" a robot's model gives no limit for, or one that no motor has."""
-    height = float(robot.nominal[2])
+    height = _height(robot)
     torque = robot.effort_limits.max() > FAR * LEG_SHARE * robot.mass * GRAVITY * height
     speed = robot.speed_limits.max() > FAR * LEG_SPEED / height
     return tuple(name for name, none in (("torque", torque), ("speed", speed)) if none)
+
+
+def _height(robot: Robot) -> float:
+    """Return the height [m] at which a robot stands, for its legs' size; a metre of one that is bolted."""
+    return max(float(robot.nominal[2]), 0.05) if robot.floating else 1.0
 
 
 def file_actuators(robot: Robot) -> Actuators:
@@ -205,8 +210,7 @@ def real_actuators(robot: Robot) -> Actuators:
     `SHAPES` says otherwise.
     """
     file, table = joint_figures(robot), FIGURES.get(robot.name, {})
-    height = max(float(robot.nominal[2]), 0.05) if robot.floating else 1.0
-    torque = np.minimum(robot.effort_limits, LEG_SHARE * robot.mass * GRAVITY * height)
+    torque = np.minimum(robot.effort_limits, LEG_SHARE * robot.mass * GRAVITY * _height(robot))
     rows = np.outer(torque, RULE)
     for row, joint in zip(rows, robot.joint_names, strict=True):
         row[:] = next((figures for part, figures in table.items() if part in joint), row)

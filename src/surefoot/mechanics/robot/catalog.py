@@ -66,6 +66,8 @@ class CatalogEntry:
     unlimited
         Beginnings of the names of joints whose position limits in the file are wrong or missing; they get
         half a turn either way.
+    effort, speed
+        Limits of every joint's motor [N m, rad/s] where the file's are none; zero where they are.
     bent
         Angles [rad] of joints whose names end so, in place of the SRDF's: nobody walks on straight knees.
     """
@@ -78,6 +80,8 @@ class CatalogEntry:
     pose: str | None = None
     upright: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
     unlimited: tuple[str, ...] = ()
+    effort: float = 0.0
+    speed: float = 0.0
     bent: Mapping[str, float] = field(default_factory=dict)
 
 

@@ -319,9 +319,7 @@ def load_robot(
     changed, ranged = whole_turns(path, chosen) if is_own else ("", ())
     model = parse_urdf(path, [] if fixed else [pinocchio.JointModelFreeFlyer()], changed)
     collision, missing = urdf_geometry(model, path, pinocchio.GeometryType.COLLISION, folders)
-    for joint, title in zip(list(model.joints)[1:], list(model.names)[1:], strict=True):
-        if entry.unlimited and title.startswith(entry.unlimited):
-            model.lowerPositionLimit[joint.idx_q], model.upperPositionLimit[joint.idx_q] = -np.pi, np.pi
+    _mend_limits(model, entry)
     _check_feet(model, chosen, path)
     name = path.stem if path.suffix and "/" in text else text
 
@@ -334,6 +332,17 @@ def load_robot(
     out.source, out.described = path, bool(entry.shapes) and set(chosen) <= set(entry.feet)
     out.keep_file(path, partial(load, "COLLISION"))
     return out
+
+
+def _mend_limits(model: Any, entry: catalog.CatalogEntry) -> None:
+    """Give joints the limits of the catalogue, where it has better ones than the file."""
+    for joint, title in zip(list(model.joints)[1:], list(model.names)[1:], strict=True):
+        if entry.unlimited and title.startswith(entry.unlimited):
+            model.lowerPositionLimit[joint.idx_q], model.upperPositionLimit[joint.idx_q] = -np.pi, np.pi
+        if entry.effort and joint.nv == 1:
+            k = joint.idx_v
+            model.lowerEffortLimit[k], model.upperEffortLimit[k] = -entry.effort, entry.effort
+            model.lowerVelocityLimit[k], model.upperVelocityLimit[k] = -entry.speed, entry.speed
 
 
 def _from_mjcf(path: Path, feet: Sequence[str], fixed_base: bool | None) -> Robot:

@@ -147,19 +147,19 @@ def test_efforts_and_speeds_of_nothing_are_missing_in_a_urdf() -> None:
 def test_efforts_are_measured_by_what_lifts_the_robot() -> None:
     """10 kg and 0.5 m: 98.1 N and 49.05 N m."""
     joints = [
-        joint("strong", length=0.5, effort=14900.0), joint("fair", length=0.5, effort=14600.0),
+        joint("strong", length=0.5, effort=1000.0), joint("fair", length=0.5, effort=980.0),
         joint("weak", length=0.5, effort=0.04), joint("able", length=0.5, effort=0.06),
         joint("tail", length=0.5, effort=0.04), joint("none", length=0.5, effort=0.0),
         joint("endless", length=0.5, effort=math.inf), joint("bare", length=0.5, effort=math.nan),
         joint("back", length=0.5, effort=-1.0), joint("fixed", "fixed", 0.5, effort=-1.0),
-        joint("slide", "prismatic", 0.5, effort=29800.0), joint("lift", "prismatic", 0.5, effort=29200.0),
+        joint("slide", "prismatic", 0.5, effort=1990.0), joint("lift", "prismatic", 0.5, effort=1950.0),
     ]  # fmt: skip
     about = subject(joints, [link("trunk", 10.0), link("weak_link", 0.0)], legs=["weak", "able", "none"])
     assert offences("effort-absurd", about) == [
-        ("joint strong", "effort 14900 N m", "304 times what lifts the robot: no limit", ""),
+        ("joint strong", "effort 1000 N m", "20.4 times what lifts the robot: no limit", ""),
         ("joint weak", "effort 0.04 N m", "0.00082 of what lifts the robot: it holds no leg", ""),
         ("joint back", "effort -1 N m", "no motor has a limit below zero", "error"),
-        ("joint slide", "effort 29800 N", "304 times what lifts the robot: no limit", ""),
+        ("joint slide", "effort 1990 N", "20.3 times what lifts the robot: no limit", ""),
     ]
     assert not offences("effort-absurd", subject(joints[:1]))  # nothing is known of a robot without a mass
 

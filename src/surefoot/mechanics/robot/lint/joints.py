@@ -21,7 +21,7 @@ DEGREES = (10.0, 400.0)
 """Sizes of limits that are angles of joints in degrees, and no joint's in radians."""
 NARROW = math.radians(6.0)
 """Range that every hinge of a robot stays under where radians were read as degrees [rad]: 2π deg is 0.11."""
-STRONG = 300.0
+STRONG = 20.0
 """Effort over m g times the robot's reach, or over m g, that no motor has [-]."""
 WEAK = 1e-3
 """Effort over m g times the robot's reach, or over m g, that holds no leg [-]."""
