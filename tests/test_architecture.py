@@ -141,19 +141,15 @@ def test_wings_import_downwards_only() -> None:
 
 def test_names_cross_wings_through_faces_only() -> None:
     """`from surefoot.contact import ...` outside contact, never `from surefoot.contact.cones import ...`."""
-    private = []
-    for name, tree in modules().items():
-        own = wing_of(name)
-        for node in ast.walk(tree):
-            if own in ("app", "laws", "__main__", "") or not isinstance(node, ast.ImportFrom):
-                continue
-            other = wing_of(node.module or "")
-            if (node.module or "").startswith("surefoot.") and other in WINGS[1:] and other != own:
-                private += [
-                    f"{name}: {node.module}.{a.name}"
-                    for a in node.names
-                    if a.name not in shown(node.module or "")
-                ]
+    private = [
+        f"{name}: {source}.{taken}"
+        for name, taken_from in from_imports().items()
+        for source, taken, _ in taken_from
+        if wing_of(name) not in ("app", "laws", "__main__", "")
+        and wing_of(source) in WINGS[1:]
+        and wing_of(source) != wing_of(name)
+        and taken not in shown(source)
+    ]
     assert not private, private
 
 
@@ -161,12 +157,12 @@ def test_names_cross_wings_through_faces_only() -> None:
 def test_a_face_is_short_needed_and_true(wing: str) -> None:
     """At most 80 names, each used by another wing, each what its home calls by that name."""
     names = shown(f"surefoot.{wing}")
-    used = set()
-    for name, tree in modules().items():
-        if wing_of(name) not in (wing, "app"):
-            for node in ast.walk(tree):
-                if isinstance(node, ast.ImportFrom) and node.module == f"surefoot.{wing}":
-                    used |= {alias.name for alias in node.names}
+    used = {
+        taken
+        for name, taken_from in from_imports().items()
+        for source, taken, _ in taken_from
+        if source == f"surefoot.{wing}" and wing_of(name) not in (wing, "app")
+    }
     assert len(names) <= MOST_NAMES
     assert set(names) == used, sorted(set(names) ^ used)
     package = importlib.import_module(f"surefoot.{wing}")
