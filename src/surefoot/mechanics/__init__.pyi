@@ -11,8 +11,6 @@ from .collision.solids import Geometry as Geometry
 from .collision.solids import Solid as Solid
 from .dynamics.arithmetic import apply_impulses as apply_impulses
 from .dynamics.arithmetic import assemble as assemble
-from .dynamics.bodies import loaded_model as loaded_model
-from .dynamics.bodies import loaded_robot as loaded_robot
 from .dynamics.derivative.impact import InputRates as InputRates
 from .dynamics.derivative.impact import law_fields as law_fields
 from .dynamics.derivative.stages import StepArguments as StepArguments
@@ -52,6 +50,8 @@ from .robot.motor_limits import MotorLimits as MotorLimits
 from .robot.motor_limits import motor_limits as motor_limits
 from .robot.nominal import chain as chain
 from .robot.nominal import leg_rank as leg_rank
+from .robot.payload import loaded_model as loaded_model
+from .robot.payload import loaded_robot as loaded_robot
 from .robot.placement import place as place
 from .robot.quadruped import body_corners as body_corners
 from .robot.quadruped import mirrored_joints as mirrored_joints

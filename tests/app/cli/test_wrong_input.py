@@ -98,7 +98,12 @@ CASES = [
         for c in BOTH
         for n in ("''", "@0,0,0", "1@", "1@a,b,c", "1@0,0,nan")
     ),
-    *((f"{c} icub_full", "its joint neck_yaw moves less than 1e-10 kg m²") for c in ("stand", "walk")),
+    *(
+        (f"{c} icub_full{world}", "its joint neck_yaw moves less than 1e-10 kg m²")
+        for c in ("stand", "walk")
+        for world in ("", " --world rigid")
+    ),
+    ("walk romeo_full", "its joint RFinger21 moves less than 1e-10 kg m²"),
     ("walk solo12 --gait stand", "gait 'stand' takes no steps"),
     *(
         (f"walk solo12 --scenario {f}", "cannot read the scenario")

@@ -7,8 +7,8 @@ import pinocchio
 import pytest
 
 from surefoot.base.spatial import GRAVITY
-from surefoot.mechanics.dynamics.bodies import loaded_model
 from surefoot.mechanics.robot import Robot
+from surefoot.mechanics.robot.payload import loaded_model
 from surefoot.motion.estimation import wrench_kernels as kernels
 from surefoot.motion.estimation.wrench_observer import (
     FURTHEST,
@@ -104,7 +104,7 @@ def observed(
 ) -> WrenchObserver:
     """Return an observer that has seen random instants of a robot with a payload."""
     robot = robot_of("go2")
-    model = loaded_model(robot, mass, place)
+    model = loaded_model(robot.model, mass, place)
     observer = WrenchObserver(robot, DT)
     motions = [Motion(robot, seed, np.ones(4, dtype=bool), model) for seed in range(30)]
     for k in range(steps):

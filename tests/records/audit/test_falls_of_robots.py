@@ -76,6 +76,38 @@ def test_a_shoved_walk_of_ours_falls_by_the_laws(
 
 @pytest.mark.long
 @pytest.mark.parametrize(
+    "words",
+    [
+        # a stretched leg turns with 30 rad/s: small torques look like large forces at its foot
+        "--world rigid --seed 835 --velocity 0.38,0.12,0.46 --terrain rough:8,0.01 --mu 0.2",
+        # limbs turn with 40 rad/s: where forces act within a step is open
+        "--world rigid --seed 949 --velocity 0.27,-0.05,-0.02 --terrain slope:6 --push 1.76:78,256,-149:0.05",
+        # a load of the robot's own mass is no point where it is struck by 18 m g
+        "--world mujoco-exact --seed 341 --velocity 0.3,-0.17,-0.01 --mu 0.9 --payload 21.85",
+        # a foot in a valley between facets
+        "--world mujoco --velocity 0.78,0,0 --terrain rough:3,0.03",
+    ],
+)
+def test_a_humanoid_of_light_legs_falls_by_the_laws(words: str, tmp_path: Path, printed: Any) -> None:
+    printed(
+        "walk",
+        "icub",
+        *words.split(),
+        "--duration",
+        3,
+        "--no-video",
+        "--no-report",
+        "--out",
+        tmp_path,
+        code=1,
+    )
+    (log,) = tmp_path.glob("*/log.npz")
+    report = sf.audit_log(sf.read_log(log))
+    assert report.lawful, report.sentence
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
     "ground", [read_terrain("rough:2,0.03"), read_terrain("slope:10")], ids=["rough", "uphill"]
 )
 def test_a_biped_on_facets_and_at_its_stops_walks_by_the_laws(ground: Terrain) -> None:

@@ -125,6 +125,19 @@ def test_forces_of_another_surface_are_told_apart() -> None:
     assert rest[0] == pytest.approx([-5.0, 0.0, 0.0])
 
 
+def test_what_a_frame_that_turns_leaves_of_the_sum_is_told() -> None:
+    """Two forces of 60 N, 20 degrees apart, are 59.1 N each along their mean, and 60 N along either."""
+    lean = np.radians(10.0)
+    parts = [
+        reading([0.0, 0.0, 60.0], -1e-4, [side * np.sin(lean), 0, np.cos(lean)], [0, 0, 0])
+        for side in (1.0, -1.0)
+    ]
+    found, rest = mean_reading(parts)
+    assert found.forces[0] == pytest.approx([0.0, 0.0, 60.0])
+    sum_of_both = np.array([0.0, 0.0, 60.0 * np.cos(lean)])
+    assert rest[0] == pytest.approx(sum_of_both - 60.0 * found.normals[0])
+
+
 def test_a_foot_in_a_corner_tells_of_what_bears_more() -> None:
     """Frames (n; t; t) point from the ground, the first geom, to the foot, the second."""
     owner = np.array([-1, 0])

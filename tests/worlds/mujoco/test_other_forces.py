@@ -10,6 +10,7 @@ import pytest
 import surefoot as sf
 from surefoot.base.spatial import GRAVITY, rotation_from_quaternion
 from surefoot.mechanics.collision import robot_geometry
+from surefoot.mechanics.terrain import read_terrain
 from surefoot.mechanics.terrain.terrain import Terrain
 from surefoot.records.audit.log_context import setting_of
 from surefoot.records.audit.rows import Rows
@@ -107,6 +108,18 @@ def test_both_worlds_explain_the_motion_and_come_to_rest_alike() -> None:
     rigid, mujoco = fallen("rigid"), fallen("mujoco")
     assert np.abs(unexplained(mujoco)[:-1]).max() < 0.02
     np.testing.assert_allclose(mujoco["q"][-1], rigid["q"][-1], atol=0.02)
+
+
+def test_feet_on_ridges_and_in_valleys_explain_the_motion() -> None:
+    """Facets under one foot lean towards each other: together they push less than their forces added up."""
+    ground = read_terrain("rough:2,0.2")
+    q = sf.place(ROBOT, ground, at=(0.13, -0.04))
+    q[2] += 0.03
+    log = sf.run(make_world("mujoco", ROBOT, terrain=ground), Hold(), sf.Scenario(0.3, 0.6, start=q))
+    rest, blow = np.linalg.norm(unexplained(log)[:-1], axis=1), np.asarray(log["forces"])[..., 2].sum(axis=1)
+    assert blow.max() > 2.0 * WEIGHT
+    assert np.linalg.norm(np.asarray(log["other_forces"])[:, :3], axis=1).max() > 0.2 * WEIGHT
+    assert rest.max() < 1e-3
 
 
 @pytest.mark.parametrize("world", ["rigid", "mujoco"])

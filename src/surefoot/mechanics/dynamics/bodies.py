@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from copy import copy
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.base.arrays import FloatArray, finite_array
+from surefoot.base.arrays import FloatArray
 from surefoot.mechanics.collision import Geometry
 from surefoot.mechanics.dynamics import arithmetic
 from surefoot.mechanics.dynamics.detection import TerrainDetection
 from surefoot.mechanics.dynamics.free_motion import FreeMotion
 from surefoot.mechanics.dynamics.pair_detection import PairDetection
 from surefoot.mechanics.robot import Robot
+from surefoot.mechanics.robot.payload import loaded_model
 from surefoot.mechanics.terrain import Terrain
 
 
@@ -57,7 +55,7 @@ class Bodies:
     ) -> None:
         import pinocchio
 
-        self.model = loaded_model(robot, payload, payload_position)
+        self.model = loaded_model(robot.model, payload if robot.floating else 0.0, payload_position)
         self.contacts: TerrainDetection | PairDetection = (
             TerrainDetection(self.model, robot.contact_points, terrain)
             if geometry is None
@@ -139,32 +137,3 @@ class Bodies:
             k for k in range(1, self.model.njoints) if fastest < self.model.idx_vs[k] + self.model.nvs[k]
         )
         return self.model.names[joint], float(abs(v[fastest]))
-
-
-def loaded_model(robot: Robot, payload: float, position: ArrayLike = (0.0, 0.0, 0.0)) -> Any:
-    """Return a copy of the robot's model with a payload [kg] on the base, at (3,) base axes [m].
-
-    It is a ball of 5 cm radius, so that its inertia is never that of a point alone.
-
-    Raises
-    ------
-    ProblemError
-        For a position that is not three finite numbers.
-    """
-    import pinocchio
-
-    model, place = robot.model.copy(), finite_array("payload_position", position, (3,))
-    if payload > 0.0 and robot.floating:
-        load = pinocchio.Inertia(payload, place, 1e-3 * payload * np.eye(3))
-        model.inertias[1] = model.inertias[1] + load
-    return model
-
-
-def loaded_robot(robot: Robot, payload: float) -> Robot:
-    """Return a robot that carries a payload [kg] on its base; the robot itself for none."""
-    if not payload:
-        return robot
-    out, model = copy(robot), loaded_model(robot, payload)
-    out.__dict__.pop("mass", None)  # a cached sum
-    out.model, out.data = model, model.createData()
-    return out

@@ -17,10 +17,11 @@ from surefoot.base.arrays import FloatArray
 from surefoot.base.kernels import kernel
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics.collision import Geometry
-from surefoot.mechanics.dynamics.bodies import Bodies, loaded_model
+from surefoot.mechanics.dynamics.bodies import Bodies
 from surefoot.mechanics.dynamics.free_contacts import FreeDetection
 from surefoot.mechanics.dynamics.free_motion import FreeMotion
 from surefoot.mechanics.robot import Robot
+from surefoot.mechanics.robot.payload import loaded_model
 from surefoot.mechanics.terrain import Terrain
 
 
@@ -42,7 +43,7 @@ class FreeBodies(Bodies):
     ) -> None:  # fmt: skip
         import pinocchio
 
-        self.model = loaded_model(robot, payload, payload_position)
+        self.model = loaded_model(robot.model, payload if robot.floating else 0.0, payload_position)
         self.contacts = FreeDetection(self.model, robot, geometry, terrain, dt)
         inertias = list(self.model.inertias)[1:]
         self._masses = np.array([i.matrix() for i in inertias])

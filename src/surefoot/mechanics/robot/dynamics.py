@@ -25,9 +25,12 @@ import scipy.linalg
 from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, finite_array, real_number
-from surefoot.base.errors import ProblemError
+from surefoot.base.errors import ModelError, ProblemError
 from surefoot.mechanics.robot.jacobians import Contacts, attach_contacts, contact_drift, contact_jacobian
 from surefoot.mechanics.robot.robot import Robot
+
+LEAST_INERTIA = 1e-10
+"""Least that a joint has to move [kg m²]: 1 mN m turns that by 10 krad/s within a step of 1 ms."""
 
 RANK_TOLERANCE = 1e-10
 """Eigenvalues of G below this share of the largest count as zero."""
@@ -61,10 +64,23 @@ def mass_matrix(robot: Robot, q: ArrayLike) -> FloatArray:
 
 
 def joint_inertias(robot: Robot) -> FloatArray:
-    """Return what a torque on each joint meets in the nominal pose, all else free: (joints,) [kg m², kg]."""
+    """Return what a torque on each joint meets in the nominal pose, all else free: (joints,) [kg m², kg].
+
+    Raises
+    ------
+    ModelError
+        For a joint that moves next to nothing, which no step of any world can follow.
+    """
     values, axes = np.linalg.eigh(mass_matrix(robot, robot.nominal))
     compliance = (axes**2 / np.maximum(values, 1e-300)).sum(axis=1)
-    return np.asarray(1.0 / compliance[robot.base_dof :])
+    found = np.asarray(1.0 / compliance[robot.base_dof :])
+    if found.min(initial=np.inf) < LEAST_INERTIA:
+        joint = robot.joint_names[int(found.argmin())]
+        raise ModelError(
+            f"{robot.name} cannot be simulated: its joint {joint} moves less than {LEAST_INERTIA:g} kg m²; "
+            "give the links behind it their masses"
+        )
+    return found
 
 
 def bias_forces(robot: Robot, q: ArrayLike, v: ArrayLike) -> FloatArray:

@@ -17,6 +17,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import rotation_from_quaternion
+from surefoot.mechanics import loaded_model
 from surefoot.records.audit.limits import LIMITS
 from surefoot.records.audit.logged_robot import LoggedRobot
 from surefoot.records.log import Log
@@ -73,7 +74,7 @@ def unexplained(
     mass_scale
         The mass that the log tells over the robot's with its payload, for the base rows.
     payload, payload_position
-        Point mass on the base [kg], and where: (3,) base axes [m]; None for its origin.
+        Load on the base [kg], see `loaded_model`, and where: (3,) base axes [m]; None for its origin.
     sticking
         A joint slower than this may stick: its dry friction is then any up to its size [rad/s].
     means
@@ -98,11 +99,13 @@ def unexplained(
     support = robot.support.astype(np.float64)
     rest = torque - np.einsum("tpj,pj->tj", on_points, support)
     ends, open_torque = jacobian, np.zeros_like(rest)
-    if means:
-        (end,), ends = _newton_euler(model, q[1:], acceleration, v[1:])
+    turned = robot.turned(v[:-1], dt) | means
+    if turned.any():
+        (end,), after = _newton_euler(model, q[1:][turned], acceleration[turned], v[1:][turned])
         end[:, : robot.base_dof] *= mass_scale
-        end -= np.einsum("tpj,pj->tj", np.einsum("tpc,tcj->tpj", wrench, ends), support)
-        open_torque = end - rest
+        end -= np.einsum("tpj,pj->tj", np.einsum("tpc,tcj->tpj", wrench[turned], after), support)
+        open_torque[turned] = end - rest[turned]
+        ends = after if means else jacobian
     pairs = ((jacobian, v[:-1]), (ends, v[1:]))
     twists = np.stack([np.einsum("tcj,tj,pj->tpc", J, speed, support) for J, speed in pairs], axis=1)
     velocities = twists[..., :3] + np.cross(twists[..., 3:], place[:, None])
@@ -200,14 +203,9 @@ def _joint_losses(
 
 
 def _load_model(model: Any, log: Log, payload: float = 0.0, position: FloatArray | None = None) -> Any:
-    """Return a copy of a robot's model in the log's gravity, with a point mass [kg] on the base."""
-    import pinocchio
-
-    model = model.copy()
+    """Return a copy of a robot's model in the log's gravity, with a payload [kg] on the base."""
+    model = loaded_model(model, payload, np.zeros(3) if position is None else position)
     model.gravity.linear = np.asarray(log.facts.get("gravity", model.gravity.linear))
-    if payload > 0.0:
-        place = np.zeros(3) if position is None else np.asarray(position, dtype=np.float64)
-        model.inertias[1] = model.inertias[1] + pinocchio.Inertia(payload, place, np.zeros((3, 3)))
     return model
 
 

@@ -69,8 +69,15 @@ class LoggedRobot:
         """
         most = np.minimum(np.asarray(self.model.velocityLimit)[self.base_dof :], FASTEST)
         speed = np.abs(np.nan_to_num(np.asarray(v)[:, self.base_dof :]))
-        fast = (speed > BEYOND * most) & (speed * np.reshape(dt, (-1, 1)) > WHIRL) & (most > 0.0)
-        return np.asarray(fast.any(axis=1))
+        return np.asarray((self._turned(v, dt) & (speed > BEYOND * most) & (most > 0.0)).any(axis=1))
+
+    def turned(self, v: FloatArray, dt: FloatArray | float) -> BoolArray:
+        """Return in which rows of velocities (T, nv) a joint goes far: (T,)."""
+        return np.asarray(self._turned(v, dt).any(axis=1))
+
+    def _turned(self, v: FloatArray, dt: FloatArray | float) -> BoolArray:
+        speed = np.abs(np.nan_to_num(np.asarray(v)[:, self.base_dof :]))
+        return np.asarray(speed * np.reshape(dt, (-1, 1)) > WHIRL)
 
     def leg(self, foot: int) -> BoolArray:
         """Return which velocity components move a foot: (nv,)."""

@@ -108,7 +108,9 @@ _TABLE = (
     Channel("active", ("p",), flag=True, meaning="whether the controller lets a point push"),
     Channel("attained", (), flag=True, meaning="whether the command was possible within the cones"),
     Channel("saturated", (), flag=True, meaning="whether a torque was at its limit"),
-    Channel("other_forces", ("nv",), "N, N m", "base", meaning="generalised, of contacts that are no feet's"),
+    Channel(
+        "other_forces", ("nv",), "N, N m", "base", meaning="generalised, of all that pushes but `forces`"
+    ),
     Channel("momentum", (6,), "N s, N m s", "world", meaning="of all; the angular about the centre of mass"),
     Channel("energy", (), "J", meaning="of all, zero height at z = 0, without springs and rotors"),
     Channel("momentum_rate", (6,), "N, N m", "world", meaning="of all; the angular about the centre of mass"),

@@ -87,7 +87,8 @@ def scene_of(
     ModelError
         For a joint or a shape of ground that these worlds do not build.
     """
-    model, points = loaded_model(robot, payload, payload_position), robot.contact_points
+    load = payload if robot.floating else 0.0
+    model, points = loaded_model(robot.model, load, payload_position), robot.contact_points
     joints = [_joint(model, index) for index in range(1, model.njoints)]
     spheres = [
         [int(joint), place.tolist(), float(radius)]

@@ -49,7 +49,13 @@ def make_world(
     ------
     ProblemError
         For an unknown name.
+    ModelError
+        If a joint moves next to nothing, which no step of any world can follow.
     MissingExtra
         If the world's engine is not installed.
     """
-    return WORLDS.load(name)(robot, terrain, mu, **options)
+    from surefoot.worlds.interface.actuated import equipped
+
+    world = WORLDS.load(name)
+    equipped(robot, options.get("actuators", "ideal"))
+    return world(robot, terrain, mu, **options)

@@ -11,8 +11,8 @@ from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import entry_point
 from surefoot.mechanics import Robot, Terrain, surface_frames
 from surefoot.worlds.interface.world import ContactReading
-from surefoot.worlds.mujoco.links import LinkContacts, owners
-from surefoot.worlds.mujoco.readings import FACE_TYPES, OWN_TYPES, face_principal, read_contacts
+from surefoot.worlds.mujoco.links import LinkContacts, generalised_force, owners
+from surefoot.worlds.mujoco.readings import FACE_TYPES, LEAST_FORCE, OWN_TYPES, face_principal, read_contacts
 
 
 class DataViews(NamedTuple):
@@ -139,7 +139,13 @@ class FootReader:
         self.feet = own = FootGeoms.of(model, feet, floors, robot.contact_points.radii, terrain)
         stops = bool(np.any(model.jnt_limited))
         self._links = LinkContacts(mujoco, model, own.owner) if links or stops else None
-        self._model, self._data, self._views, self._terrain = model, data, views, terrain
+        self._mujoco, self._model, self._data, self._views, self._terrain = (
+            mujoco,
+            model,
+            data,
+            views,
+            terrain,
+        )
         self._planar = bool(terrain.planar)
         self._normals = np.ascontiguousarray(own.frames[:, :, 2])  # all that a plane needs, with its offset
         self._read = entry_point(read_contacts, *OWN_TYPES)
@@ -153,6 +159,7 @@ class FootReader:
         feet, views, data, links = self.feet, self._views, self._data, self._links
         contact, frames, normals = views.contact, feet.frames, self._normals
         points, gaps = np.zeros((3, len(feet.geoms), 3)), np.zeros(len(feet.geoms))
+        missed = np.zeros((len(feet.geoms), 3))
         forces, velocities, positions = points
         over = None
         if not self._planar:
@@ -165,7 +172,7 @@ class FootReader:
             surface_frames(over[1], frames)
         beside = bool(self._read(
             views.places, views.twists, views.centres, contact.geom, contact.efc_address, contact.frame,
-            data.efc_force, feet.owner, feet.spheres, feet.sizes, frames, gaps, points,
+            data.efc_force, feet.owner, feet.spheres, feet.sizes, frames, gaps, points, missed,
         ))  # fmt: skip
         if over is not None:
             gaps, normals = over
@@ -175,6 +182,9 @@ class FootReader:
         if links is not None:
             # joints at their stops count, too
             others = links.force(data, frames) if beside or data.nl else np.zeros(self._model.nv)
+            if np.abs(missed).max(initial=0.0) > LEAST_FORCE:
+                places = np.asarray(views.places[feet.geoms])  # through which facets push
+                others += generalised_force(self._mujoco, self._model, data, feet.bodies, places, missed)
         return FootReading(ContactReading(forces, gaps, velocities, positions, others, normals), beside)
 
     def _nearest(self, before: ContactReading | None) -> tuple[FloatArray, FloatArray]:

@@ -11,7 +11,7 @@ from surefoot.base.spatial import quaternion_xyzw, rotation_from_quaternion
 
 OWN_TYPES = (
     MATRIX, MATRIX, MATRIX, numba.int32[:, :], numba.int32[:], REAL[:, :], VECTOR,
-    INTEGER[::1], INTEGER[:, ::1], MATRIX, REAL[:, :, ::1], VECTOR, REAL[:, :, ::1],
+    INTEGER[::1], INTEGER[:, ::1], MATRIX, REAL[:, :, ::1], VECTOR, REAL[:, :, ::1], MATRIX,
 )  # fmt: skip
 """Types of what `read_contacts` is given of MuJoCo itself, whose contacts lie apart in memory."""
 FACE_TYPES = (
@@ -21,6 +21,8 @@ FACE_TYPES = (
 """The same of `face_principal`."""
 SAME_FACE = 0.5
 """Least cosine between normals of one surface: facets of a mesh are one, a floor and a riser are two."""
+LEAST_FORCE = 1e-6
+"""Force [N] up to which what facets push together is their forces added up, but for rounding."""
 
 
 @inline_kernel
@@ -90,6 +92,26 @@ def face_principal(
             normals[k, i] = mean[i] / length
 
 
+@inline_kernel
+def _turn_tangents(frame: FloatArray, tangential: FloatArray, force: FloatArray, missed: FloatArray) -> None:
+    """Fill a force's tangents from (3,) world axes; add what it lacks to the (3,) sum of normal parts."""
+    for j in range(2):
+        for i in range(3):
+            force[j] += frame[i, j] * tangential[i]
+    for i in range(3):
+        missed[i] += tangential[i]
+        for j in range(3):
+            missed[i] -= frame[i, j] * force[j]
+
+
+@inline_kernel
+def _velocity_at(twist: FloatArray, centre: FloatArray, place: FloatArray) -> tuple[float, float, float]:
+    """Return v + ω x r of a body at a (3,) place; MuJoCo's twist (6,) is that at its tree's centre."""
+    x, y, z = place[0] - centre[0], place[1] - centre[1], place[2] - centre[2]
+    p, q, r = twist[0], twist[1], twist[2]
+    return twist[3] + q * z - r * y, twist[4] + r * x - p * z, twist[5] + p * y - q * x
+
+
 @kernel
 def read_contacts(
     geom_places: FloatArray,
@@ -105,13 +127,16 @@ def read_contacts(
     frames: FloatArray,
     gaps: FloatArray,
     out: FloatArray,
+    missed: FloatArray,
 ) -> bool:
     """Fill in what the ground did to the feet's spheres; return whether any other contact pushed.
 
     A force's normal part is that along MuJoCo's own contact normals, its tangential part what is left,
     turned into the frame's tangents: of several facets under one foot each has a normal of its own, some
-    degrees off their mean, which would otherwise look like a broken cone. A contact whose normal is far from
-    the frame's is one with another surface (a foot in a corner has two), and counts among the others.
+    degrees off their mean, which would otherwise look like a broken cone. Facets that lean towards each other
+    push less together than their forces added up: the motion needs what that makes too much, `missed`. A
+    contact whose normal is far from the frame's is one with another surface (a foot in a corner has two), and
+    counts among the others.
 
     Parameters
     ----------
@@ -134,11 +159,13 @@ def read_contacts(
         (p,) to the planes [m]; filled.
     out
         (3, p, 3) forces [N] and velocities [m/s] in contact frames, positions [m] in world axes; filled.
+    missed
+        (p, 3) the sum of each sphere's forces less the force that is told, world axes [N]; filled.
     """
     count = len(spheres)
     forces, velocities, positions = out[0], out[1], out[2]
     tangential = out[1]  # in world axes, until the velocities are known
-    forces[:], tangential[:] = 0.0, 0.0
+    forces[:], tangential[:], missed[:] = 0.0, 0.0, 0.0
     beside = False
     for c in range(len(addresses)):
         at, first, second = addresses[c], owner[pairs[c, 0]], owner[pairs[c, 1]]
@@ -155,6 +182,8 @@ def read_contacts(
         # MuJoCo's force acts on the second geom along +frame: its sign is turned where the foot is the first
         # one.
         forces[k, 2] += constraint_forces[at]
+        for j in range(3):
+            missed[k, j] += sign * constraint_forces[at] * contact_frames[c, j]
         for i in range(1, 3):
             for j in range(3):
                 tangential[k, j] += sign * constraint_forces[at + i] * contact_frames[c, 3 * i + j]
@@ -165,18 +194,8 @@ def read_contacts(
             height += geom_places[geom, i] * frames[k, i, 2]
             positions[k, i] = geom_places[geom, i] - sizes[k, 0] * frames[k, i, 2]
         gaps[k] = height - sizes[k, 1] - sizes[k, 0]
-        # cvel is [angular; linear] of the body, the linear part of its point at the tree's centre of mass: v
-        # + ω x r.
-        x = positions[k, 0] - tree_centres[root, 0]
-        y = positions[k, 1] - tree_centres[root, 1]
-        z = positions[k, 2] - tree_centres[root, 2]
-        p, q, r = body_twists[body, 0], body_twists[body, 1], body_twists[body, 2]
-        a = body_twists[body, 3] + q * z - r * y
-        b = body_twists[body, 4] + r * x - p * z
-        c_ = body_twists[body, 5] + p * y - q * x
-        for j in range(2):
-            for i in range(3):
-                forces[k, j] += frames[k, i, j] * tangential[k, i]
+        a, b, c_ = _velocity_at(body_twists[body], tree_centres[root], positions[k])
+        _turn_tangents(frames[k], tangential[k], forces[k], missed[k])
         for j in range(3):
             velocities[k, j] = frames[k, 0, j] * a + frames[k, 1, j] * b + frames[k, 2, j] * c_
     return beside

@@ -10,7 +10,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.mechanics import Terrain, frames_on
 from surefoot.worlds.interface.world import ContactReading
-from surefoot.worlds.mujoco.readings import SAME_FACE
+from surefoot.worlds.mujoco.readings import LEAST_FORCE, SAME_FACE
 
 STRIKE_SUBSTEPS = 16
 """Parts of a step of 1 ms in which feet may strike what they do not see."""
@@ -63,7 +63,7 @@ def mean_reading(readings: Sequence[ContactReading]) -> tuple[ContactReading, Fl
     another surface in some of the parts has left force there that is none of the row's.
 
     Components are means of those in the parts' own frames, which turn with a foot that rolls over an edge:
-    the mean of forces inside their cones is inside the cone.
+    the mean of forces inside their cones is inside the cone. What turning takes of their sum is left over.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def mean_reading(readings: Sequence[ContactReading]) -> tuple[ContactReading, Fl
     Returns
     -------
     (reading, rest)
-        The mean, and (p, 3) the mean of the forces from other surfaces, world axes [N].
+        The mean, and (p, 3) what the mean of all forces is beside the row's, world axes [N].
 
     Examples
     --------
@@ -92,8 +92,10 @@ def mean_reading(readings: Sequence[ContactReading]) -> tuple[ContactReading, Fl
     others = np.mean(beside, axis=0) if beside else None
     best, which = forces[..., 2].argmax(axis=0), np.arange(len(gaps[0]))
     same = np.einsum("tki,ki->tk", normals, normals[best, which]) >= SAME_FACE
-    rest = np.einsum("tkij,tkj->ki", frames, np.where(same[..., None], 0.0, forces)) / count
     force = np.where(same[..., None], forces, 0.0).sum(axis=0) / count
+    mean, told = (np.einsum("tkij,tkj->ki", frames, forces) / count, frames_on(normals[best, which]))
+    rest = mean - np.einsum("kij,kj->ki", told, force)
+    rest[np.abs(rest).max(axis=1) <= LEAST_FORCE] = 0.0
     gap, place, speed = gaps[0].copy(), places[0].copy(), velocities[0].copy()
     for k in np.flatnonzero(forces[best, which, 2] > 0.0).tolist():
         on = same[:, k] & (forces[:, k, 2] > 0.0)

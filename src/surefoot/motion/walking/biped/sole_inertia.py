@@ -9,7 +9,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ModelError
 from surefoot.base.spatial import GRAVITY
-from surefoot.mechanics import Actuators, Robot, with_rotors
+from surefoot.mechanics import Actuators, Robot, joint_inertias, with_rotors
 from surefoot.motion.walking.biped.biped_settings import BIPED_WALK
 
 
@@ -25,10 +25,16 @@ def sole_inertias(robot: Robot, actuators: Actuators | None = None) -> FloatArra
         With flat feet, which point ahead.
     actuators
         Whose rotors count; None for ideal ones, which have none.
+
+    Raises
+    ------
+    ModelError
+        If a joint moves next to nothing.
     """
     import pinocchio
 
     robot = robot if actuators is None else with_rotors(robot, actuators.armature)
+    joint_inertias(robot)  # which refuses a robot whose mass matrix is singular
     model, base = robot.model, robot.base_dof
     data = model.createData()
     upper = np.triu(pinocchio.crba(model, data, robot.nominal))
