@@ -203,7 +203,7 @@ def test_velocities_of_an_exchange_without_its_guess_are_means() -> None:
     pressed = last.impulses[:, 2] > 0.0
     assert impact.summed is not None
     assert pressed.any()
-    np.testing.assert_array_equal(impact.summed, pressed)
-    means = 0.5 * (arriving + impact.leaving)
-    np.testing.assert_allclose(impact.means[pressed], means[pressed], atol=1e-12)
-    np.testing.assert_array_equal(impact.means[~pressed], impact.leaving[~pressed])
+    assert not pressed.all()
+    assert impact.summed.all()  # corners of one foot share the mean of those that were pressed
+    shared = arriving[pressed].mean(axis=0)  # all frames of the floor are alike
+    np.testing.assert_allclose(impact.means, 0.5 * (shared + impact.leaving), atol=1e-12)

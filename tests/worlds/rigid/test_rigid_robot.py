@@ -7,10 +7,12 @@ import pytest
 
 import surefoot as sf
 from surefoot.base.spatial import GRAVITY
+from surefoot.mechanics.dynamics.arithmetic import turned
 from surefoot.mechanics.terrain import rough_ground
 from surefoot.motion.control.controller import RobotState
 from surefoot.motion.standing.standing_controller import StandingController
 from surefoot.motion.standing.standing_plan import StandingPlan
+from surefoot.motion.walking.walkers import walking_controller
 from surefoot.worlds.rigid.rigid_world import RigidWorld
 
 
@@ -84,3 +86,29 @@ def test_applied_torques_are_what_the_motors_give():
     assert -1000.0 < world.applied[1] < -5.0
     assert np.abs(world.applied[1]) <= robot.effort_limits[1] * (1.0 + 1e-12)
     np.testing.assert_allclose(world.applied[2:], 0.0)
+
+
+def test_corners_of_a_sole_that_turns_stay_in_its_plane() -> None:
+    """One is pressed and has a swerve, the sole has it: laws of a plane hold for all its corners at once."""
+    frames = np.tile(np.eye(3), (5, 1, 1))
+    leaving, foot = np.zeros((5, 3)), np.array([0, 0, 0, 0, 1])
+    arriving = np.tile([0.0, 0.0, -1e-4], (5, 1))
+    impulses = np.zeros((5, 3))
+    impulses[1, 2] = 1.0
+    _, swerve = turned(arriving, leaving, impulses, foot, frames, 0.0)
+    np.testing.assert_allclose(swerve[:4], 0.5 * arriving[:4], rtol=1e-12)
+    assert not swerve[4].any()  # nothing presses the other foot
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("name", "most"), [("talos", 0.05), ("g1", 0.05), ("icub", 0.08)])
+def test_corners_share_the_load_alike_from_step_to_step(name: str, most: float) -> None:
+    """By one diagonal now and by the other one in the next step: in 16, 36 and 56 % of the steps once."""
+    robot = sf.load_robot(name)
+    speed = 0.3 * np.sqrt(GRAVITY * robot.nominal[2])
+    walker = walking_controller(robot, sf.VelocityCommand.constant(round(float(speed), 2)))
+    log = sf.run(RigidWorld(robot), walker, sf.Scenario(2.0, 0.6))
+    normal = np.asarray(log["forces"])[..., 2]
+    jumps = np.abs(np.diff(normal, axis=0)).max(axis=1) > 0.1 * normal[1:].sum(axis=1)
+    assert jumps.mean() < most
+    assert not [one for one in sf.audit_log(log).symptoms if str(one).startswith("chatter: all")]

@@ -84,8 +84,10 @@ def turned(
                 change = 0.5 * (arriving[d, a] - leaving[d, a])
                 for i in range(3):
                     means[foot[d], i] += frames[d, i, a] * change
+    # all corners of a sole that is pressed somewhere: else they would leave its plane by the guess, and forces
+    # change from one diagonal to the other in every step
     for c in range(leaving.shape[0]):
-        if impulses[c, 2] > 0.0:
+        if count[foot[c]] > 0.0:
             for a in range(3):
                 for i in range(3):
                     out[c, a] += frames[c, i, a] * means[foot[c], i] / count[foot[c]]
@@ -101,8 +103,9 @@ def swerves(
     """Return the contact velocities (p, 3) before impulses, and half of what each changed by since the last.
 
     `leaving` and `impulses` (p, 3) are the velocities right after the last impulses and those impulses;
-    contacts without swerve nothing. Those of one foot (p,) share their mean in world axes: single ones would
-    pull corners of a rigid sole apart. `frames` (p, 3, 3) are the contact frames. None below `least` [m/s].
+    feet without swerve nothing. Contacts of one foot (p,) share the mean of those that were pressed, in world
+    axes: single ones would pull corners of a rigid sole apart. `frames` (p, 3, 3) are the contact frames.
+    None below `least` [m/s].
     """
     arriving = np.empty(leaving.shape)
     contact_speeds(J, v, arriving)

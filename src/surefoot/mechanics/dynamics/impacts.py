@@ -110,7 +110,8 @@ class Meeting(NamedTuple):
         guess = self.contacts.swerves(self.before, -arriving, last, self.foot, 0.0)
         if guess is None:
             return self._with_missed(near, last, None)
-        return self._with_missed(near, last, guess[1])._replace(summed=last[:, 2] > 0.0)
+        summed = np.isin(self.foot, self.foot[last[:, 2] > 0.0])
+        return self._with_missed(near, last, guess[1])._replace(summed=summed)
 
     def _with_missed(self, near: IntArray, warm: FloatArray, swerve: FloatArray | None) -> Impact:
         """Solve the contact problem; contacts that the impulses push into the ground join in."""

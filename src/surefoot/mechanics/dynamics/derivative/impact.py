@@ -260,8 +260,8 @@ class Exchange:
         turn = self.ground.frames(rates.q)  # (p, 3, 3, c)
         world = np.einsum("cia,cax->cix", frames, change) + np.einsum("ciax,ca->cix", turn, value)
         for foot in np.unique(feet[loaded]):
-            mine = np.flatnonzero(loaded & (feet == foot))
-            mean = world[mine].mean(axis=0)
+            mine = np.flatnonzero(feet == foot)
+            mean = world[mine[loaded[mine]]].mean(axis=0)
             rest = mean - np.einsum("ciax,ca->cix", turn[mine], taken[mine])
             out[mine, :axes] = np.einsum("cia,cix->cax", frames[mine], rest)[:, :axes]
         return out.reshape(leaving.size, -1)
