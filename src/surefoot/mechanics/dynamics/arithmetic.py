@@ -84,7 +84,7 @@ def turned(
                 change = 0.5 * (arriving[d, a] - leaving[d, a])
                 for i in range(3):
                     means[foot[d], i] += frames[d, i, a] * change
-    # all corners of a sole that is pressed somewhere: else they would leave its plane by the guess, and forces
+    # all corners of a sole that is pressed somewhere: else they leave its plane by the guess, and forces
     # change from one diagonal to the other in every step
     for c in range(leaving.shape[0]):
         if count[foot[c]] > 0.0:
