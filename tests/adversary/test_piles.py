@@ -67,12 +67,13 @@ def test_piles_obey_every_law(seed, terrain, dt):
     bodies = thrown(rng, 7, friction=float(rng.uniform(0.1, 0.9)))
     world, unsolved = SceneWorld(Scene(bodies), terrain, mu=0.5, dt=dt), 0
     energy, weight = world.energy(), 9.81 * sum(b.mass for b in bodies)
+    heaviest = max(b.mass for b in bodies)
     for k in range(round(0.9 / dt)):
         world.step()
         step = world.last
         unsolved += step.unsolved
         assert step.worst_residual < 1e-6
-        assert step.impulses[:, 2].min(initial=0.0) > -1e-8 * weight * dt  # to the solver's tolerance
+        assert step.impulses[:, 2].min(initial=0.0) > -1e-8 * heaviest  # the solver's tolerance is a velocity
         assert step.gaps.min(initial=0.0) > -2e-6
         assert step.contact_work < 1e-7
         slack = np.abs(np.minimum(step.impulses[:, 2] / (weight * dt), step.velocities[:, 2]))
