@@ -76,7 +76,8 @@ def gap_rate(rows: Rows) -> Measured:
         touched += sliding_sum(np.abs(np.diff(up, axis=0, append=up[-1:])) * rows.dt[:, None], w)
     # a point of a limb that swings goes on along an arc
     touched += sliding_sum(0.5 * rows.dt**2 * swing(rows), w)[:, None]
-    return over(value, limits.gap + _highest(step, w) + touched + limits.drift * sliding_sum(step, w))
+    limit = limits.gap + _highest(step, w) + touched + limits.drift * sliding_sum(step, w)
+    return over(value, np.where(whirling(rows, w)[:, None], np.inf, limit))
 
 
 def no_plane(log: Log, setting: Setting) -> str:

@@ -67,9 +67,9 @@ class LoggedRobot:
         A limb that nothing drives, thrown in a fall, is elsewhere at the end of a row than at its start;
         which of the places on its way a step takes for its forces, nobody knows.
         """
-        most = np.minimum(np.asarray(self.model.velocityLimit)[self.base_dof :], FASTEST)
+        most = np.minimum(BEYOND * np.asarray(self.model.velocityLimit)[self.base_dof :], FASTEST)
         speed = np.abs(np.nan_to_num(np.asarray(v)[:, self.base_dof :]))
-        return np.asarray((self._turned(v, dt) & (speed > BEYOND * most) & (most > 0.0)).any(axis=1))
+        return np.asarray((self._turned(v, dt) & (speed > most) & (most > 0.0)).any(axis=1))
 
     def turned(self, v: FloatArray, dt: FloatArray | float) -> BoolArray:
         """Return in which rows of velocities (T, nv) a joint goes far: (T,)."""
