@@ -139,13 +139,8 @@ class FootReader:
         self.feet = own = FootGeoms.of(model, feet, floors, robot.contact_points.radii, terrain)
         stops = bool(np.any(model.jnt_limited))
         self._links = LinkContacts(mujoco, model, own.owner) if links or stops else None
-        self._mujoco, self._model, self._data, self._views, self._terrain = (
-            mujoco,
-            model,
-            data,
-            views,
-            terrain,
-        )
+        self._mujoco, self._model, self._data = mujoco, model, data
+        self._views, self._terrain = views, terrain
         self._planar = bool(terrain.planar)
         self._normals = np.ascontiguousarray(own.frames[:, :, 2])  # all that a plane needs, with its offset
         self._read = entry_point(read_contacts, *OWN_TYPES)

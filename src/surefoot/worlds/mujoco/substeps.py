@@ -93,8 +93,8 @@ def mean_reading(readings: Sequence[ContactReading]) -> tuple[ContactReading, Fl
     best, which = forces[..., 2].argmax(axis=0), np.arange(len(gaps[0]))
     same = np.einsum("tki,ki->tk", normals, normals[best, which]) >= SAME_FACE
     force = np.where(same[..., None], forces, 0.0).sum(axis=0) / count
-    mean, told = (np.einsum("tkij,tkj->ki", frames, forces) / count, frames_on(normals[best, which]))
-    rest = mean - np.einsum("kij,kj->ki", told, force)
+    mean = np.einsum("tkij,tkj->ki", frames, forces) / count
+    rest = mean - np.einsum("kij,kj->ki", frames_on(normals[best, which]), force)
     rest[np.abs(rest).max(axis=1) <= LEAST_FORCE] = 0.0
     gap, place, speed = gaps[0].copy(), places[0].copy(), velocities[0].copy()
     for k in np.flatnonzero(forces[best, which, 2] > 0.0).tolist():
