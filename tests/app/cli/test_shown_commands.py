@@ -165,7 +165,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for foot, name in zip(find("a1").feet, "abcd", strict=True):
         text = text.replace(f'"{foot}"', f'"{name}"')
     (place / "my.urdf").write_text(text)
-    for name, seed, tosses in (("tosses", 0, 16), ("train", 1, 8), ("test", 2, 8)):  # 8 of two folds
+    for name, seed, tosses in (("tosses", 0, 16), ("train", 1, 8), ("test", 2, 8), ("cube_third", 3, 12)):
         write_tosses(random_tosses(tosses, [0.2, 0.1, 0.003], seed=seed, frames=30), place / f"{name}.npz")
     (place / "elbow.urdf").write_text(ELBOW)
     elbow = thrown_body(place / "elbow.urdf")
