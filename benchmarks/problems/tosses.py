@@ -59,8 +59,22 @@ def random_tosses(
     """
     random = np.random.default_rng(whole_number("seed", seed))
     count, share = whole_number("count", count, low=1), real_number("noise", noise, low=0.0)
-    thrown = cube_body(Cube()) if body is None else body
-    joints = len(thrown.joints)
+    scene = random_scene(random, count, ground, frames, dt, cube_body(Cube()) if body is None else body)
+    model = ThrownModel(law, steps=steps)
+    poses = model.rollout(finite_array("values", values, (len(model.parameters),)), scene)
+    poses[:, :3] += share * POSITION_NOISE * random.normal(size=(len(poses), 3))
+    shaken = Rotation.from_rotvec(share * ROTATION_NOISE * random.normal(size=(len(poses), 3)))
+    poses[:, 3:7] = (shaken * Rotation.from_quat(poses[:, 3:7])).as_quat()
+    poses[:, 7:] += share * ROTATION_NOISE * random.normal(size=poses[:, 7:].shape)
+    return Tosses(_with_velocities(poses, frames, dt), np.arange(count + 1) * frames, dt)
+
+
+def random_scene(
+    random: np.random.Generator, count: int, ground: tuple[float, float, float], frames: int, dt: float,
+    body: ThrownBody,
+) -> TossScene:  # fmt: skip
+    """Return throws of a body above a ground of height [m] and slopes along x and y, `frames` of each."""
+    joints = len(body.joints)
     starts = np.zeros((count, 13 + 2 * joints))
     starts[:, :2] = random.uniform(-0.15, 0.15, (count, 2))
     starts[:, 2] = ground[0] + random.uniform(*HEIGHT, count)
@@ -72,14 +86,7 @@ def random_tosses(
     starts[:, nq + 2] = 0.2 * SPEED * random.normal(size=count)
     starts[:, nq + 3 :] = TUMBLE * random.normal(size=(count, 3 + joints))
     plane = GroundPlane(ground[0], np.array(ground[1:]))
-    scene = TossScene(starts, np.full(count, frames), dt, plane, GRAVITY, thrown)
-    model = ThrownModel(law, steps=steps)
-    poses = model.rollout(finite_array("values", values, (len(model.parameters),)), scene)
-    poses[:, :3] += share * POSITION_NOISE * random.normal(size=(len(poses), 3))
-    shaken = Rotation.from_rotvec(share * ROTATION_NOISE * random.normal(size=(len(poses), 3)))
-    poses[:, 3:7] = (shaken * Rotation.from_quat(poses[:, 3:7])).as_quat()
-    poses[:, 7:] += share * ROTATION_NOISE * random.normal(size=(len(poses), joints))
-    return Tosses(_with_velocities(poses, frames, dt), np.arange(count + 1) * frames, dt)
+    return TossScene(starts, np.full(count, frames), dt, plane, GRAVITY, body)
 
 
 def _with_velocities(poses: FloatArray, frames: int, dt: float) -> FloatArray:

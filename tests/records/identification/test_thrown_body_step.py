@@ -9,6 +9,7 @@ import pinocchio as pin
 import pytest
 from scipy.spatial.transform import Rotation
 
+from benchmarks import toss_speed
 from benchmarks.problems.tosses import ELBOW
 from surefoot.mechanics.collision import Box
 from surefoot.mechanics.robot import load_robot
@@ -17,7 +18,7 @@ from surefoot.records.identification.ground_plane import GroundPlane
 from surefoot.records.identification.thrown_body import ThrownBody, cube_body, thrown_body
 from surefoot.records.identification.thrown_body_step import throw
 from surefoot.records.identification.thrown_body_tree import dynamics, place, work_arrays
-from surefoot.records.identification.toss_model import ThrownModel, TossScene
+from surefoot.records.identification.toss_model import LAWS, ThrownModel, TossScene
 from surefoot.records.identification.tosses import Cube
 from surefoot.worlds.rigid.scene import Body
 
@@ -133,3 +134,13 @@ def test_no_energy_comes_from_nothing_under_any_law() -> None:
         ends = poses.reshape(20, 400, 7)[:, -10:]
         assert np.abs(np.diff(ends, axis=1)).max() < 1e-4
         assert ends[:, -1, 2].max() < np.sqrt(3.0) * Cube().half_side
+
+
+def test_the_price_of_a_throw_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    toss_speed.main(["--tosses", "2", "--repeats", "1"])
+    lines = capsys.readouterr().out.splitlines()
+    rows = [line.split("│")[1:-1] for line in lines if line.startswith("│")]
+    own = [row for row in rows if row[1].strip() in LAWS]
+    assert len(own) == 2 * len(LAWS)
+    assert {row[0].strip() for row in own} == {"cube", "elbow"}
+    assert all(0.0 < float(row[2]) <= float(row[3]) for row in rows)

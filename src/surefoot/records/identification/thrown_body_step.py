@@ -24,7 +24,7 @@ import math
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
-from surefoot.base.kernels import borrowed, inline_kernel, keep, kernel, releasing_kernel
+from surefoot.base.kernels import borrowed, inline_kernel, keep, releasing_kernel
 from surefoot.base.numerics.vectors import advance
 from surefoot.records.identification.thrown_body_impact import CLOSED, exchange
 from surefoot.records.identification.thrown_body_tree import (
@@ -129,7 +129,7 @@ def _fly(
     v[:] = after
 
 
-@kernel
+@inline_kernel
 def step(
     body: FallingBody, law: FloatArray, gravity: FloatArray, q: FloatArray, v: FloatArray, dt: float,
     at: Placed, middle: FloatArray, after: FloatArray, near: IntArray,
