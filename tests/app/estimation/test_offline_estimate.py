@@ -76,13 +76,34 @@ def test_swapped_sides_and_units_are_found(robot: sf.Robot, circle: CircleLog) -
     arrays = dict(log.arrays) | {
         "joint_positions": np.degrees(log["joint_positions"])[:, MIRRORED],
         "imu_acceleration": log["imu_acceleration"] / 9.80665,
-    }
+        "imu_angular_velocity": np.degrees(log["imu_angular_velocity"]), "time": 1e3 * log["time"] + 1.7e12,
+    }  # fmt: skip
     found = sf.estimate_state(sf.Log(arrays, log.facts), robot)
     check_estimate(found, circle)
+    assert found["time"][-1] - found["time"][0] == pytest.approx(circle.dt * (ROWS - 1))
     told = " ".join(found.facts["computed"])
+    assert "time is in milliseconds" in told
+    assert "turn rates are in degrees per second" in told
     assert "degrees" in told
     assert "in g" in told
     assert "against their names" in told
+
+
+def test_feet_whose_sensors_tell_nothing_touch_where_they_are_lowest(
+    robot: sf.Robot, circle: CircleLog
+) -> None:
+    log, truth = made_log(circle, robot, list(range(12)), [0, 1, 2, 3], named=True), circle.contact[:ROWS]
+    noise = np.random.default_rng(0).normal(size=(ROWS, 4))
+    for sensors, lines in (
+        (np.where([False, True, False, False], 3.0, log["foot_sensors"]), 1),  # one is stuck
+        (100.0 * truth + 40.0 * noise, 4),  # and all are noise
+    ):
+        found = sf.estimate_state(sf.Log({**log.arrays, "foot_sensors": sensors}, log.facts), robot)
+        told = [line for line in found.facts["computed"] if "does not tell its contacts" in line]
+        assert len(told) == lines
+        # feet that lift off or come down are within the centimetre for some rows
+        assert (found["contact_estimated"] == truth).mean() > 0.85
+        check_estimate(found, circle)
 
 
 @pytest.mark.long

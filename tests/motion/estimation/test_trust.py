@@ -109,6 +109,13 @@ def test_a_monitor_forgets_a_doubt_and_keeps_it_for_a_while() -> None:
     monitor.reset()
     assert monitor.trust.good
     assert "not finite" in step(np.full((2, 3), np.nan)).reason
+    monitor.reset()
+    flags = np.zeros(2, dtype=bool)
+    for count in range(200):
+        monitor.take_correction(quiet, flags, flags, np.array([False, count == 50]), np.zeros(6))
+        assert monitor.trust.good or count >= 150
+    assert not monitor.trust.good
+    assert monitor.trust.reason == "no foot has touched for 1 s: place and speed are the IMU's alone"
     with pytest.raises(ProblemError, match="refused"):
         TrustSettings(refused=-1.0)
 

@@ -14,6 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from surefoot.app.estimation.foreign_units import to_si, turn_by_feet
+from surefoot.app.estimation.standing_feet import Misfit, lowest_feet
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.errors import ProblemError
 from surefoot.mechanics import Robot
@@ -25,14 +27,6 @@ PARTS = {
 }  # fmt: skip
 LEGS = {"lf": "fl", "rf": "fr", "lh": "rl", "rh": "rr", "hl": "rl", "hr": "rr"}
 """Other words for parts and legs, in lower case; parts may be numbered from the body."""
-TURN = 7.0
-"""Largest angle [rad] of a joint: a larger one is in degrees."""
-FASTEST = 35.0
-"""Largest turn rate [rad/s] of an IMU's range, 2000 °/s: a larger one is in degrees per second."""
-HEAVY = (0.5, 2.0)
-"""Mean specific force [g] that is told in g and not in m/s²."""
-LOOKED = 200
-"""Moments at which orders are compared."""
 BETTER = 0.7
 """Share of the named order's misfit that another order must have to be taken instead."""
 
@@ -66,7 +60,9 @@ class ForeignLog(NamedTuple):
     told: tuple[str, ...]
 
 
-def read_foreign(log: Log, robot: Robot, contact: BoolArray | None, names: Sequence[str]) -> ForeignLog:
+def read_foreign(
+    log: Log, robot: Robot, contact: BoolArray | None, names: Sequence[str], refused: Sequence[str] = ()
+) -> ForeignLog:
     """Return a log's readings in the robot's order.
 
     Parameters
@@ -77,6 +73,8 @@ def read_foreign(log: Log, robot: Robot, contact: BoolArray | None, names: Seque
         Whose log it is.
     contact, names
         (T, n) which feet touch by the log, and their names there; None where it does not tell.
+    refused
+        Why a foot's column tells nothing, empty where it does; such feet touch where they are the lowest.
 
     Raises
     ------
@@ -91,23 +89,31 @@ def read_foreign(log: Log, robot: Robot, contact: BoolArray | None, names: Seque
     if angles is None:
         have = ", ".join(log.arrays)
         raise ProblemError(f"a state estimate needs joint_positions or q; the log has {have}")
-    told: list[str] = []
+    told = [
+        f"{name} does not tell its contacts ({why}): within 1 cm of the lowest foot it is taken to touch"
+        for name, why in zip(names, refused, strict=False) if why
+    ]  # fmt: skip
+    if told and all(refused):
+        contact = None
     kept = _moving(angles, robot, told)
     time, gyro, force, joints = (
         np.array(part, dtype=np.float64)
         for part in (log["time"], log["imu_angular_velocity"], log["imu_acceleration"], angles[:, kept])
     )
-    units = _si(gyro, force, joints, told)
+    units = to_si(gyro, force, joints, told)
     legs = _legs(robot)
     order, feet = _order(log, robot, (time, gyro, joints), contact, names, legs, told)
     joints = joints[:, order]
     speeds = _speeds(log, time, joints, kept[order], units, told)
     torques = np.asarray(log["torques"])[:, kept[order]] if "torques" in log else None
     if contact is None:
-        contact = _lowest(robot, time, force, joints)
+        contact = lowest_feet(robot, time, force, joints)
         told.append("no contacts in the log: feet within 1 cm of the lowest are taken to touch")
+        turn_by_feet(Misfit(robot, time, gyro, joints, contact), np.arange(robot.joints), feet, gyro, told)
     else:
         contact = contact[:, feet]
+        if blind := [k for k, foot in enumerate(feet) if refused and refused[foot]]:
+            contact[:, blind] = lowest_feet(robot, time, force, joints)[:, blind]
     return ForeignLog(time, gyro, force, joints, speeds, torques, contact, tuple(told))
 
 
@@ -124,23 +130,6 @@ def _moving(angles: FloatArray, robot: Robot, told: list[str]) -> IntArray:
         f"columns {left} of the joints never change and are left out: {robot.name} has no such joints"
     )
     return moved
-
-
-def _si(gyro: FloatArray, force: FloatArray, joints: FloatArray, told: list[str]) -> float:
-    """Turn readings into SI units in place; return the factor of the joints."""
-    factor = 1.0
-    if np.abs(joints).max() > TURN:
-        factor = float(np.pi / 180.0)
-        joints *= factor
-        told.append("joint angles are in degrees: they go beyond 7")
-    if np.abs(gyro).max() > FASTEST:
-        gyro *= np.pi / 180.0
-        told.append("turn rates are in degrees per second: they go beyond 35")
-    size = float(np.median(np.linalg.norm(force, axis=1)))
-    if HEAVY[0] < size < HEAVY[1]:
-        force *= 9.80665
-        told.append(f"specific forces are in g: {size:.2f} in the middle")
-    return factor
 
 
 def _speeds(
@@ -189,11 +178,13 @@ def _order(
     if known:
         feet = np.array([theirs.index(name) for name in mine])
     alike = len({len(leg) for leg in legs}) == 1 and sum(map(len, legs)) == robot.joints
+    if contact is not None:
+        turn_by_feet(Misfit(robot, *readings, contact), joints, feet, readings[1], told)
     if contact is None or not alike:
         if not named:
             told.append("joints are taken in the robot's order: the log does not name them as the robot does")
         return joints, feet
-    compare = _Misfit(robot, *readings, contact)
+    compare = Misfit(robot, *readings, contact)
     best = compare(joints, feet)
     chosen, how = (joints, feet), ""
     for order, seats, words in _orders(legs, joints, None if known else feet, named):
@@ -227,51 +218,3 @@ def _orders(
                 for part, joint in enumerate(legs[leg]):
                     wide[joint] = part * n + seat
             yield wide, other, f"joint by joint, {words}"
-
-
-class _Misfit:
-    """Disagreement of standing feet about the body's velocity, for an order of joints and feet."""
-
-    def __init__(
-        self, robot: Robot, time: FloatArray, gyro: FloatArray, joints: FloatArray, contact: BoolArray
-    ) -> None:
-        step, half = float(np.median(np.diff(time))), max(1, round(0.005 / float(np.median(np.diff(time)))))
-        moving = np.flatnonzero((contact.sum(axis=1) >= 2) & (np.abs(gyro).max(axis=1) > 0.1))
-        moving = moving[(moving >= half) & (moving < len(time) - half)]
-        if len(moving) == 0:
-            moving = np.arange(half, len(time) - half)
-        rows = moving[np.linspace(0, len(moving) - 1, min(LOOKED, len(moving))).astype(int)]
-        self._robot, self._rows, self._half, self._span = robot, rows, half, 2.0 * half * step
-        self._gyro, self._joints, self._contact = gyro[rows], joints, contact[rows]
-
-    def __call__(self, order: IntArray, feet: IntArray) -> float:
-        """Return the root mean square over feet and moments [m/s]."""
-        places = [self._places(self._joints[self._rows + s][:, order]) for s in (-self._half, self._half)]
-        middle = 0.5 * (places[0] + places[1])
-        velocity = np.cross(self._gyro[:, None], middle) + (places[1] - places[0]) / self._span
-        on = self._contact[:, feet][:, :, None]
-        count = np.maximum(on.sum(axis=1, keepdims=True), 1)
-        mean = (velocity * on).sum(axis=1, keepdims=True) / count
-        return float(np.sqrt(np.median((((velocity - mean) ** 2) * on).sum(axis=(1, 2)) / count[:, 0, 0])))
-
-    def _places(self, joints: FloatArray) -> FloatArray:
-        q, out = self._robot.nominal.copy(), np.empty((len(joints), len(self._robot.feet), 3))
-        q[:3], q[3:7] = 0.0, [0.0, 0.0, 0.0, 1.0]
-        for k, row in enumerate(joints):
-            q[7:] = row
-            out[k] = self._robot.foot_positions(q)
-        return out
-
-
-def _lowest(robot: Robot, time: FloatArray, force: FloatArray, joints: FloatArray) -> BoolArray:
-    """Return which feet (T, n) are within 1 cm of the lowest, along the mean specific force of a second."""
-    width = min(len(time), max(1, round(1.0 / float(np.median(np.diff(time))))))
-    kernel = np.ones(width) / width
-    up = np.stack([np.convolve(force[:, k], kernel, mode="same") for k in range(3)], axis=1)
-    up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-9)
-    q, heights = robot.nominal.copy(), np.empty((len(joints), len(robot.feet)))
-    q[:3], q[3:7] = 0.0, [0.0, 0.0, 0.0, 1.0]
-    for t, row in enumerate(joints):
-        q[7:] = row
-        heights[t] = robot.foot_positions(q) @ up[t]
-    return np.asarray(heights < heights.min(axis=1, keepdims=True) + 0.01)

@@ -9,7 +9,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from surefoot.app.estimation.foreign_log import ForeignLog, read_foreign
-from surefoot.base.arrays import BoolArray, FloatArray, of_kind
+from surefoot.app.estimation.foreign_units import in_seconds
+from surefoot.base.arrays import FloatArray, of_kind
 from surefoot.base.errors import ProblemError
 from surefoot.mechanics import FlatTerrain, Robot, Terrain, load_robot
 from surefoot.motion.estimation.inekf import FilterNoise
@@ -75,18 +76,13 @@ def estimate_state(
     of_kind("robot", robot, Robot)
     if not robot.floating or not robot.feet:
         raise ProblemError(f"a state estimate needs a floating base with feet; {robot.name} has no such")
-    contact: BoolArray | None = None
-    names: list[str] = []
-    if "foot_sensors" in log or "forces" in log:
-        times = contact_times(log)
-        contact, names = times.contacts, [foot.name for foot in times.feet]
-        if contact.shape[1] != len(robot.feet):
-            raise ProblemError(f"{robot.name} has {len(robot.feet)} feet, the log has {contact.shape[1]}")
-    given = read_foreign(log, robot, contact, names)
+    clock: list[str] = []
+    log = in_seconds(log, clock)
+    given = _read(log, robot)
     if len(given.time) < 2 * BEGIN or not given.time[-1] - given.time[0] > 0.9:
         raise ProblemError("a state estimate needs a second of a log, and a time in seconds")
     arrays, doubts = _run_filter(given, robot, FlatTerrain() if ground is None else ground, noise)
-    told = [*given.told, "start: feet in contact stand on the ground, heading and place are zero"]
+    told = [*clock, *given.told, "start: feet in contact stand on the ground, heading and place are zero"]
     if ground is None:
         told.append("the floor is taken to be level")
     arrays |= {name: np.asarray(log[name]) for name in KEPT[2:] if name in log}
@@ -103,6 +99,17 @@ def estimate_state(
         facts["computed"] = [*told, *map(str, feet), *doubts]
         found = Log(arrays, facts)
     return found
+
+
+def _read(log: Log, robot: Robot) -> ForeignLog:
+    """Return a log's readings with the contacts that its feet's sensors or forces tell."""
+    if "foot_sensors" not in log and "forces" not in log:
+        return read_foreign(log, robot, None, ())
+    times = contact_times(log)
+    if len(times.feet) != len(robot.feet):
+        raise ProblemError(f"{robot.name} has {len(robot.feet)} feet, the log has {len(times.feet)}")
+    names, refused = zip(*((foot.name, foot.refused) for foot in times.feet), strict=True)
+    return read_foreign(log, robot, times.contacts, names, refused)
 
 
 def _run_filter(

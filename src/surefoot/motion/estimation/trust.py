@@ -48,6 +48,9 @@ class TrustSettings:
         Squared Mahalanobis distance of a single innovation from which a standing foot has jumped.
     refused
         Time for which a foot in contact is not believed from which it slides [s]; a landing takes some ms.
+    aloft
+        Time without a foot on the ground [s] from which place and speed are the IMU's alone: longer than any
+        jump's flight.
     landings
         Height innovations that are averaged [-].
     bias
@@ -61,6 +64,7 @@ class TrustSettings:
     size: float = 3.0
     jump: float = 100.0
     refused: float = 0.06
+    aloft: float = 1.0
     landings: float = 6.0
     bias: float = 5.0
     hold: float = 1.0
@@ -87,7 +91,7 @@ class TrustMonitor(Remembering):
     """
 
     MEMORY = (
-        "_means", "_sizes", "_refused", "_height", "_height_weight", "_doubt", "_since",
+        "_means", "_sizes", "_refused", "_aloft", "_height", "_height_weight", "_doubt", "_since",
     )  # fmt: skip
 
     def __init__(
@@ -106,7 +110,7 @@ class TrustMonitor(Remembering):
         """Forget everything."""
         n = len(self._feet)
         self._means, self._sizes = np.zeros((2, n, 3)), np.ones(n)
-        self._refused = np.zeros(n)
+        self._refused, self._aloft = np.zeros(n), 0.0
         self._height, self._height_weight = 0.0, 0.0
         self._doubt, self._since = "", math.inf
 
@@ -139,6 +143,7 @@ class TrustMonitor(Remembering):
         squares = (innovations**2).sum(axis=1)
         self._sizes[fed] += gain[0] * (squares[fed] / 3.0 - self._sizes[fed])
         self._refused = np.where(contact & ~used, self._refused + self._dt, 0.0)
+        self._aloft = 0.0 if contact.any() else self._aloft + self._dt
         if reason := self._find_doubt(squares, bias):
             self._raise(reason)
 
@@ -150,6 +155,8 @@ class TrustMonitor(Remembering):
         if large.any():
             sensor = "gyro" if large[:3].any() else "accelerometer"
             return f"the {sensor}'s bias is {np.abs(bias / self._largest).max():.1f} times what it may be"
+        if self._aloft > self.settings.aloft:
+            return f"no foot has touched for {self.settings.aloft:g} s: place and speed are the IMU's alone"
         late = self._refused > self.settings.refused
         if late.any():
             return f"{self._feet[int(np.argmax(late))]} touches but does not stand still"

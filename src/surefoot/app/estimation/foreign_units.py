@@ -1,0 +1,77 @@
+"""Units of a stranger's log, guessed from what a robot can do; each guess is told."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surefoot.app.estimation.standing_feet import Misfit
+from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.records import Log
+
+CLOCKS = {"milliseconds": 1e-3, "microseconds": 1e-6, "nanoseconds": 1e-9}
+"""What a time may be counted in, if not in seconds."""
+RATES = (5e-5, 0.25)
+"""Time between rows [s] of a log that an estimate is made of: 20 kHz to 4 Hz."""
+TURN = 7.0
+"""Largest angle [rad] of a joint: a larger one is in degrees."""
+FASTEST = 35.0
+"""Largest turn rate [rad/s] of an IMU's range, 2000 °/s: a larger one is in degrees per second."""
+HEAVY = (0.5, 2.0)
+"""Mean specific force [g] that is told in g and not in m/s²."""
+DEGREE = float(np.pi / 180.0)
+MOMENTS, APART, NEARER = 20, 0.25, 5.0
+"""Moments that tell a unit of turn rates; how far apart [m/s] standing feet must be by those in rad/s, and
+how many times as far as by those in degrees per second, for the latter to be taken."""
+
+
+def in_seconds(log: Log, told: list[str]) -> Log:
+    """Return the log with its time in seconds, from its first row on where the clock is another one."""
+    if len(log) < 2:
+        return log
+    time = np.asarray(log["time"], dtype=np.float64)
+    step = float(np.median(np.diff(time)))
+    if not step > RATES[1]:
+        return log
+    for unit, size in CLOCKS.items():
+        if RATES[0] < size * step <= RATES[1]:
+            told.append(f"time is in {unit}: rows are {step:g} apart")
+            return Log({**log.arrays, "time": size * (time - time[0])}, log.facts)
+    return log
+
+
+def to_si(gyro: FloatArray, force: FloatArray, joints: FloatArray, told: list[str]) -> float:
+    """Turn (T, 3) and (T, joints) readings into SI units in place, by their sizes; return the joints' factor."""
+    factor = 1.0
+    if np.abs(joints).max() > TURN:
+        factor = DEGREE
+        joints *= factor
+        told.append("joint angles are in degrees: they go beyond 7")
+    if np.abs(gyro).max() > FASTEST:
+        gyro *= DEGREE
+        told.append("turn rates are in degrees per second: they go beyond 35")
+    size = float(np.median(np.linalg.norm(force, axis=1)))
+    if HEAVY[0] < size < HEAVY[1]:
+        force *= 9.80665
+        told.append(f"specific forces are in g: {size:.2f} in the middle")
+    return factor
+
+
+def turn_by_feet(
+    misfit: Misfit, order: IntArray, feet: IntArray, gyro: FloatArray, told: list[str]
+) -> bool:  # fmt: skip
+    """Turn rates (T, 3) in degrees per second that no size tells into rad/s in place; return if they were.
+
+    By 57 times its turn rates a body's standing feet would race apart, and no wrong order of the joints
+    parts them as much.
+    """
+    if misfit.moments < MOMENTS:
+        return False
+    given, small = misfit(order, feet), misfit(order, feet, DEGREE)
+    if not given > max(APART, NEARER * small):
+        return False
+    gyro *= DEGREE
+    told.append(
+        f"turn rates are in degrees per second: in rad/s standing feet would part at {given:.2f} m/s, "
+        f"so at {small:.2f}"
+    )
+    return True

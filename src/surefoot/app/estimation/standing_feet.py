@@ -1,0 +1,68 @@
+"""What feet that stand say: points of one rigid floor, whose velocities are those of one body.
+
+Of such feet -(ω × p + ṗ) is the velocity of the same body. Swapped sides, columns in another order and turn
+rates in another unit break that at once.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surefoot.base.arrays import BoolArray, FloatArray, IntArray
+from surefoot.mechanics import Robot
+
+LOOKED = 200
+"""Moments at which feet are compared."""
+
+
+class Misfit:
+    """Disagreement of standing feet about the body's velocity, for an order of joints and feet."""
+
+    def __init__(
+        self, robot: Robot, time: FloatArray, gyro: FloatArray, joints: FloatArray, contact: BoolArray
+    ) -> None:
+        step, half = float(np.median(np.diff(time))), max(1, round(0.005 / float(np.median(np.diff(time)))))
+        moving = np.flatnonzero((contact.sum(axis=1) >= 2) & (np.abs(gyro).max(axis=1) > 0.1))
+        moving = moving[(moving >= half) & (moving < len(time) - half)]
+        if len(moving) == 0:
+            moving = np.arange(half, len(time) - half)
+        rows = moving[np.linspace(0, len(moving) - 1, min(LOOKED, len(moving))).astype(int)]
+        self._robot, self._rows, self._half, self._span = robot, rows, half, 2.0 * half * step
+        self._gyro, self._joints, self._contact = gyro[rows], joints, contact[rows]
+
+    @property
+    def moments(self) -> int:
+        """How many moments are compared."""
+        return len(self._rows)
+
+    def __call__(self, order: IntArray, feet: IntArray, share: float = 1.0) -> float:
+        """Return the root mean square over feet and moments [m/s], with a share of the turn rates."""
+        places = [self._places(self._joints[self._rows + s][:, order]) for s in (-self._half, self._half)]
+        middle = 0.5 * (places[0] + places[1])
+        velocity = np.cross(share * self._gyro[:, None], middle) + (places[1] - places[0]) / self._span
+        on = self._contact[:, feet][:, :, None]
+        count = np.maximum(on.sum(axis=1, keepdims=True), 1)
+        mean = (velocity * on).sum(axis=1, keepdims=True) / count
+        return float(np.sqrt(np.median((((velocity - mean) ** 2) * on).sum(axis=(1, 2)) / count[:, 0, 0])))
+
+    def _places(self, joints: FloatArray) -> FloatArray:
+        q, out = self._robot.nominal.copy(), np.empty((len(joints), len(self._robot.feet), 3))
+        q[:3], q[3:7] = 0.0, [0.0, 0.0, 0.0, 1.0]
+        for k, row in enumerate(joints):
+            q[7:] = row
+            out[k] = self._robot.foot_positions(q)
+        return out
+
+
+def lowest_feet(robot: Robot, time: FloatArray, force: FloatArray, joints: FloatArray) -> BoolArray:
+    """Return which feet (T, n) are within 1 cm of the lowest, along the mean specific force of a second."""
+    width = min(len(time), max(1, round(1.0 / float(np.median(np.diff(time))))))
+    kernel = np.ones(width) / width
+    up = np.stack([np.convolve(force[:, k], kernel, mode="same") for k in range(3)], axis=1)
+    up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-9)
+    q, heights = robot.nominal.copy(), np.empty((len(joints), len(robot.feet)))
+    q[:3], q[3:7] = 0.0, [0.0, 0.0, 0.0, 1.0]
+    for t, row in enumerate(joints):
+        q[7:] = row
+        heights[t] = robot.foot_positions(q) @ up[t]
+    return np.asarray(heights < heights.min(axis=1, keepdims=True) + 0.01)
