@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from surefoot.app.estimation.foreign_log import ForeignLog, _legs, _orders, read_foreign
+from surefoot.app.estimation.column_orders import (
+    ColumnOrder,
+    foot_orders,
+    leg_joints,
+    named_orders,
+    unnamed_orders,
+)
+from surefoot.app.estimation.foreign_log import ForeignLog, read_foreign
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.errors import ProblemError
 from surefoot.records import Log
@@ -38,7 +46,29 @@ class Slider:
         return np.asarray(PLACES + q[7:].reshape(2, 3), dtype=np.float64)
 
 
+class FourSliders(Slider):
+    """The same with four legs, the hind ones where the front ones are."""
+
+    name, joints = "four", 12
+    joint_names = tuple(
+        f"{leg}_{part}_joint" for leg in ("FL", "FR", "RL", "RR") for part in ("hip", "thigh", "calf")
+    )
+    feet = tuple(
+        SimpleNamespace(name=f"{leg}_foot", frame=k) for k, leg in enumerate(("FL", "FR", "RL", "RR"))
+    )
+    model = SimpleNamespace(
+        frames=[SimpleNamespace(parentJoint=3 * k + 4) for k in range(4)],
+        joints=[SimpleNamespace(idx_q=k) for k in (0, 0, *range(7, 19))],
+        parents=[0, 0, *(p for k in range(4) for p in (1, 3 * k + 2, 3 * k + 3))],
+    )
+    nominal = np.full(19, np.nan)
+
+    def foot_positions(self, q: FloatArray) -> FloatArray:
+        return np.asarray(np.tile(PLACES, (2, 1)) + q[7:].reshape(4, 3), dtype=np.float64)
+
+
 SLIDER: Any = Slider()
+FOUR: Any = FourSliders()
 
 
 def turned(count: int = 60, rate: float = 0.5, step: float = 1.0 / RATE) -> FloatArray:
@@ -180,24 +210,56 @@ def test_names_in_other_words_order_joints_feet_and_torques() -> None:
 
 
 def test_the_legs_of_a_robot_are_its_joints_from_the_base_to_each_foot() -> None:
-    assert _legs(go2()) == [[0, 1, 2], [3, 4, 5], [6, 7, 8], [9, 10, 11]]
-    assert _legs(SLIDER) == [[0, 1, 2], [3, 4, 5]]
+    assert leg_joints(go2()) == [[0, 1, 2], [3, 4, 5], [6, 7, 8], [9, 10, 11]]
+    assert leg_joints(SLIDER) == [[0, 1, 2], [3, 4, 5]]
 
 
 def test_other_orders_are_those_of_the_legs_leg_by_leg_or_joint_by_joint() -> None:
+    def listed(orders: Iterable[ColumnOrder]) -> list[tuple[list[int], list[int], str]]:
+        return [(one.joints.tolist(), one.feet.tolist(), one.words) for one in orders]
+
     legs, joints, feet = [[0, 1], [2, 3]], np.arange(4), np.array([5, 6])
-    swap = "legs in the order 2, 1 of the robot's"
-    (named,) = _orders(legs, joints, None, True)
-    assert (named[0].tolist(), named[1:]) == ([2, 3, 0, 1], (None, swap))
-    found = [
-        (order.tolist(), None if seats is None else seats.tolist(), words)
-        for order, seats, words in _orders(legs, joints, feet, False)
-    ]
-    assert found == [
-        ([0, 2, 1, 3], [5, 6], "joint by joint, legs in the order 1, 2 of the robot's"),
-        ([2, 3, 0, 1], [6, 5], swap),
+    swap, own = "legs in the order 2, 1 of the robot's", ", feet as the robot has them"
+    assert listed(named_orders(legs, joints, feet)) == [
+        ([2, 3, 0, 1], [6, 5], swap), ([2, 3, 0, 1], [5, 6], swap + own),
+    ]  # fmt: skip
+    straight = "legs in the order 1, 2 of the robot's"
+    assert listed(unnamed_orders(legs, feet)) == [
+        ([0, 1, 2, 3], [5, 6], straight), ([0, 2, 1, 3], [5, 6], f"joint by joint, {straight}"),
+        ([2, 3, 0, 1], [6, 5], swap), ([2, 3, 0, 1], [5, 6], swap + own),
         ([1, 3, 0, 2], [6, 5], f"joint by joint, {swap}"),
+        ([1, 3, 0, 2], [5, 6], f"joint by joint, {swap}{own}"),
+    ]  # fmt: skip
+    assert listed(named_orders(legs, joints, feet, known=True)) == [([2, 3, 0, 1], [5, 6], swap)]
+    assert [one.feet.tolist() for one in unnamed_orders(legs, feet, known=True)] == [[5, 6]] * 4
+    assert listed(foot_orders(joints, feet)) == [
+        ([0, 1, 2, 3], [6, 5], "feet in the order 2, 1 of the robot's")
     ]
+
+
+def test_legs_of_a_log_need_not_come_as_the_robots_joints_do() -> None:
+    """ANYmal's joints come left side first, its feet front first, as most logs have both."""
+    legs = [[0, 1, 2], [6, 7, 8], [3, 4, 5], [9, 10, 11]]
+    (order,) = (
+        one for one in unnamed_orders(legs, np.arange(4))
+        if one.words == "legs in the order 1, 2, 3, 4 of the robot's"
+    )  # fmt: skip
+    assert order.joints.tolist() == [0, 1, 2, 6, 7, 8, 3, 4, 5, 9, 10, 11]
+    assert order.feet.tolist() == [0, 1, 2, 3]
+
+
+def test_feet_without_names_are_ordered_by_fit_where_joints_have_theirs() -> None:
+    """One foot swings while the others stand; the log has their columns in another order."""
+    joints, contact = np.hstack([turned(), turned()]), np.ones((60, 4), dtype=bool)
+    joints[:, 9:] += np.sin(np.arange(60.0))[:, None]
+    contact[:, 3] = False
+    log = log_of(joints, {"joints": list(FOUR.joint_names)})
+    for columns in ([0, 1, 2, 3], [3, 0, 1, 2], [0, 3, 2, 1]):
+        found = read_foreign(log, FOUR, contact[:, columns], ("w", "x", "y", "z"))
+        assert not found.contact[:, 3].any()
+        assert found.contact[:, :3].all()
+        np.testing.assert_allclose(found.joints, joints)
+        assert any(line.startswith("feet in the order") for line in found.told) == (columns != [0, 1, 2, 3])
 
 
 def mixed(share: float, **more: Any) -> FloatArray:

@@ -8,12 +8,18 @@ is the velocity of the same body. Swapped sides, or columns in another order, br
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
-from itertools import permutations
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
+from surefoot.app.estimation.column_orders import (
+    ColumnOrder,
+    foot_orders,
+    leg_joints,
+    named_orders,
+    unnamed_orders,
+)
 from surefoot.app.estimation.foreign_units import to_si, turn_by_feet
 from surefoot.app.estimation.standing_feet import Misfit, lowest_feet
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
@@ -101,8 +107,7 @@ def read_foreign(
         for part in (log["time"], log["imu_angular_velocity"], log["imu_acceleration"], angles[:, kept])
     )
     units = to_si(gyro, force, joints, told)
-    legs = _legs(robot)
-    order, feet = _order(log, robot, (time, gyro, joints), contact, names, legs, told)
+    order, feet, _ = _order(log, robot, (time, gyro, joints), contact, names, told)
     joints = joints[:, order]
     speeds = _speeds(log, time, joints, kept[order], units, told)
     torques = np.asarray(log["torques"])[:, kept[order]] if "torques" in log else None
@@ -150,24 +155,12 @@ def _plain(name: str) -> str:
     return "_".join(LEGS.get(w, PARTS.get(w, w)) for w in words)
 
 
-def _legs(robot: Robot) -> list[list[int]]:
-    """Return the joints between the base and each foot."""
-    model, out = robot.model, []
-    for foot in robot.feet:
-        joint, chain = int(model.frames[foot.frame].parentJoint), []
-        while joint > 1:
-            chain.append(int(model.joints[joint].idx_q) - 7)
-            joint = int(model.parents[joint])
-        out.append(chain[::-1])
-    return out
-
-
 def _order(
     log: Log, robot: Robot, readings: tuple[FloatArray, FloatArray, FloatArray], contact: BoolArray | None,
-    names: Sequence[str], legs: list[list[int]], told: list[str],
-) -> tuple[IntArray, IntArray]:  # fmt: skip
-    """Return where the robot's joints and feet are in the log: (joints,) and (n,)."""
-    joints, feet = np.arange(robot.joints), np.arange(len(robot.feet))
+    names: Sequence[str], told: list[str],
+) -> ColumnOrder:  # fmt: skip
+    """Return where the robot's joints and feet are in the log."""
+    joints, feet, legs = np.arange(robot.joints), np.arange(len(robot.feet)), leg_joints(robot)
     own = [_plain(name) for name in robot.joint_names]
     given = [_plain(str(name)) for name in log.facts.get("joints", ())]
     named = sorted(given) == sorted(own)
@@ -177,44 +170,48 @@ def _order(
     known = sorted(mine) == sorted(theirs)
     if known:
         feet = np.array([theirs.index(name) for name in mine])
-    alike = len({len(leg) for leg in legs}) == 1 and sum(map(len, legs)) == robot.joints
+    first = ColumnOrder(joints, feet, "")
     if contact is not None:
         turn_by_feet(Misfit(robot, *readings, contact), joints, feet, readings[1], told)
+    alike = len({len(leg) for leg in legs}) == 1 and sum(map(len, legs)) == robot.joints
     if contact is None or not alike:
         if not named:
             told.append("joints are taken in the robot's order: the log does not name them as the robot does")
-        return joints, feet
-    compare = Misfit(robot, *readings, contact)
-    best = compare(joints, feet)
-    chosen, how = (joints, feet), ""
-    for order, seats, words in _orders(legs, joints, None if known else feet, named):
-        seats = feet if seats is None else seats
-        misfit = compare(order, seats)
-        if misfit < (BETTER if named else 0.999) * best:
-            best, chosen, how = misfit, (order, seats), words
-    if how and named:
-        told.append(f"{how}, against their names: standing feet then move as one body ({best:.3f} m/s rms)")
-    elif not named:
-        told.append(f"joints are ordered by best fit, {how or 'as the robot has them'}: {best:.3f} m/s rms")
-    return chosen
+        return first
+    misfit = Misfit(robot, *readings, contact)
+    if named:
+        return _doubt_names(misfit, first, legs, known, told)
+    best, size = _best(misfit, first, unnamed_orders(legs, feet, known))
+    told.append(
+        f"joints are ordered by best fit, {best.words or 'as the robot has them'}: {size:.3f} m/s rms"
+    )
+    return best
 
 
-def _orders(
-    legs: list[list[int]], joints: IntArray, feet: IntArray | None, named: bool
-) -> Iterator[tuple[IntArray, IntArray | None, str]]:
-    """Yield other orders of joints, of feet (None: those are known), and a sentence on each."""
-    n = len(legs)
-    for seats in permutations(range(n)):
-        words = f"legs in the order {', '.join(str(s + 1) for s in seats)} of the robot's"
-        other = None if feet is None else feet[list(seats)]
-        moved = np.empty_like(joints)
-        for leg, seat in enumerate(seats):
-            moved[legs[leg]] = joints[legs[seat]]
-        if seats != tuple(range(n)):
-            yield moved, other, words
-        if not named:
-            wide = np.empty_like(joints)  # joint by joint: all hips, then all thighs, ...
-            for leg, seat in enumerate(seats):
-                for part, joint in enumerate(legs[leg]):
-                    wide[joint] = part * n + seat
-            yield wide, other, f"joint by joint, {words}"
+def _best(
+    misfit: Misfit, first: ColumnOrder, orders: Iterable[ColumnOrder], share: float = 0.999
+) -> tuple[ColumnOrder, float]:
+    """Return the order of least misfit, and that [m/s]; others than the first by less than a share of it."""
+    best, least = first, share * misfit(first.joints, first.feet)
+    for order in orders:
+        size = misfit(order.joints, order.feet)
+        if size < least:
+            best, least = order, size
+    return best, misfit(best.joints, best.feet)
+
+
+def _doubt_names(
+    misfit: Misfit, first: ColumnOrder, legs: list[list[int]], known: bool, told: list[str]
+) -> ColumnOrder:  # fmt: skip
+    """Return the order that names tell, feet without names by best fit, unless another fits far better."""
+    if not known:
+        first, size = _best(misfit, first, foot_orders(first.joints, first.feet))
+        if first.words:
+            told.append(f"{first.words}, by best fit: {size:.3f} m/s rms")
+    orders = named_orders(legs, first.joints, first.feet, known)
+    best, size = _best(misfit, first, orders, BETTER)
+    if best is not first:
+        told.append(
+            f"{best.words}, against their names: standing feet then move as one body ({size:.3f} m/s rms)"
+        )
+    return best

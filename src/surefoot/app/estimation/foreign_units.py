@@ -40,7 +40,7 @@ def in_seconds(log: Log, told: list[str]) -> Log:
 
 
 def to_si(gyro: FloatArray, force: FloatArray, joints: FloatArray, told: list[str]) -> float:
-    """Turn (T, 3) and (T, joints) readings into SI units in place, by their sizes; return the joints' factor."""
+    """Turn (T, 3) and (T, joints) readings into SI units in place by size; return the joints' factor."""
     factor = 1.0
     if np.abs(joints).max() > TURN:
         factor = DEGREE
