@@ -53,7 +53,7 @@ def named_orders(
         moved = np.empty_like(joints)
         for leg, seat in enumerate(seats):
             moved[list(legs[leg])] = joints[list(legs[seat])]
-        words = f"legs in the order {_listed(seats)} of the robot's"
+        words = f"legs in the order {_join_numbers(seats)} of the robot's"
         yield from _with_feet(moved, feet, seats, words, known)
 
 
@@ -70,7 +70,7 @@ def unnamed_orders(
         for leg, seat in enumerate(seats):
             for part, joint in enumerate(legs[leg]):
                 after[joint], across[joint] = seat * size + part, part * len(legs) + seat
-        words = f"legs in the order {_listed(seats)} of the robot's"
+        words = f"legs in the order {_join_numbers(seats)} of the robot's"
         yield from _with_feet(after, feet, seats, words, known)
         yield from _with_feet(across, feet, seats, f"joint by joint, {words}", known)
 
@@ -79,7 +79,9 @@ def foot_orders(joints: IntArray, feet: IntArray) -> Iterator[ColumnOrder]:
     """Yield orders of the feet's columns (n,) alone; the joints' (joints,) are what they are."""
     for seats in permutations(range(len(feet))):
         if seats != tuple(range(len(feet))):
-            yield ColumnOrder(joints, feet[list(seats)], f"feet in the order {_listed(seats)} of the robot's")
+            yield ColumnOrder(
+                joints, feet[list(seats)], f"feet in the order {_join_numbers(seats)} of the robot's"
+            )
 
 
 def _with_feet(
@@ -93,5 +95,5 @@ def _with_feet(
         yield ColumnOrder(joints, feet, f"{words}, feet as the robot has them")
 
 
-def _listed(seats: Sequence[int]) -> str:
+def _join_numbers(seats: Sequence[int]) -> str:
     return ", ".join(str(s + 1) for s in seats)
