@@ -89,6 +89,36 @@ def test_swapped_sides_and_units_are_found(robot: sf.Robot, circle: CircleLog) -
     assert "against their names" in told
 
 
+@pytest.mark.parametrize("named", [False, True])
+def test_without_contacts_the_two_feet_that_reach_lowest_tell_the_order(
+    robot: sf.Robot, circle: CircleLog, named: bool
+) -> None:
+    log = made_log(circle, robot, list(range(12)), [0, 1, 2, 3], named)
+    arrays = {name: array for name, array in log.arrays.items() if name != "foot_sensors"}
+    arrays["joint_positions"] = arrays["joint_positions"][:, MIRRORED]  # whatever the names say
+    arrays["imu_angular_velocity"] = np.degrees(arrays["imu_angular_velocity"])
+    found = sf.estimate_state(sf.Log(arrays, log.facts), robot)
+    np.testing.assert_allclose(found["q"][:, 7:], circle.joints[:ROWS], atol=1e-9)
+    told = " ".join(found.facts["computed"])
+    assert ("against their names" if named else "joints are ordered by best fit") in told
+    assert "in doubt" not in told
+    assert "turn rates are in degrees per second" in told
+
+
+def test_a_robot_that_stands_tells_no_order_and_that_is_said(robot: sf.Robot) -> None:
+    rows = 600
+    arrays = {
+        "time": 0.002 * np.arange(rows), "imu_angular_velocity": np.zeros((rows, 3)),
+        "imu_acceleration": np.tile([0.0, 0.0, 9.81], (rows, 1)),
+        "joint_positions": np.tile(robot.nominal[7:], (rows, 1)),
+    }  # fmt: skip
+    found = sf.estimate_state(sf.Log(arrays), robot)
+    np.testing.assert_allclose(found["q"][-1], robot.nominal, atol=0.01)
+    told = found.facts["computed"]
+    assert "joints are ordered by best fit, as the robot has them: 0.000 m/s rms" in told
+    assert "the order of the joints is in doubt: another fits to 0.000 m/s rms" in told
+
+
 def test_feet_whose_sensors_tell_nothing_touch_where_they_are_lowest(
     robot: sf.Robot, circle: CircleLog
 ) -> None:

@@ -35,6 +35,10 @@ LEGS = {"lf": "fl", "rf": "fr", "lh": "rl", "rh": "rr", "hl": "rl", "hr": "rr"}
 """Other words for parts and legs, in lower case; parts may be numbered from the body."""
 BETTER = 0.7
 """Share of the named order's misfit that another order must have to be taken instead."""
+CLEAR = 1.5
+"""How many times the best order's misfit the next one's is, for the order to be told without doubt."""
+FOUR = 4
+"""Feet of which the two that reach lowest stand, of robots that walk."""
 
 
 class ForeignLog(NamedTuple):
@@ -171,20 +175,23 @@ def _order(
     if known:
         feet = np.array([theirs.index(name) for name in mine])
     first = ColumnOrder(joints, feet, "")
-    if contact is not None:
+    if contact is not None or len(legs) >= FOUR:
         turn_by_feet(Misfit(robot, *readings, contact), joints, feet, readings[1], told)
     alike = len({len(leg) for leg in legs}) == 1 and sum(map(len, legs)) == robot.joints
-    if contact is None or not alike:
+    if not alike or (contact is None and len(legs) < FOUR):
         if not named:
             told.append("joints are taken in the robot's order: the log does not name them as the robot does")
         return first
     misfit = Misfit(robot, *readings, contact)
     if named:
-        return _doubt_names(misfit, first, legs, known, told)
-    best, size = _best(misfit, first, unnamed_orders(legs, feet, known))
+        return _doubt_names(misfit, first, legs, known or contact is None, told)
+    best, size = _best(misfit, first, unnamed_orders(legs, feet, known or contact is None))
     told.append(
         f"joints are ordered by best fit, {best.words or 'as the robot has them'}: {size:.3f} m/s rms"
     )
+    others = (one for one in unnamed_orders(legs, feet, True) if (one.joints != best.joints).any())
+    if (next_best := min(misfit(one.joints, best.feet) for one in others)) <= CLEAR * size:
+        told.append(f"the order of the joints is in doubt: another fits to {next_best:.3f} m/s rms")
     return best
 
 

@@ -16,19 +16,34 @@ LOOKED = 200
 
 
 class Misfit:
-    """Disagreement of standing feet about the body's velocity, for an order of joints and feet."""
+    """Disagreement of standing feet about the body's velocity, for an order of joints and feet.
+
+    Parameters
+    ----------
+    robot
+        Whose feet they are.
+    time
+        (T,) [s].
+    gyro, joints
+        (T, 3) [rad/s] and (T, joints) [rad], as the log has them.
+    contact
+        (T, n) which feet touch; None for the two that reach lowest below the base, of four or more.
+    """
 
     def __init__(
-        self, robot: Robot, time: FloatArray, gyro: FloatArray, joints: FloatArray, contact: BoolArray
-    ) -> None:
+        self, robot: Robot, time: FloatArray, gyro: FloatArray, joints: FloatArray,
+        contact: BoolArray | None,
+    ) -> None:  # fmt: skip
         step, half = float(np.median(np.diff(time))), max(1, round(0.005 / float(np.median(np.diff(time)))))
-        moving = np.flatnonzero((contact.sum(axis=1) >= 2) & (np.abs(gyro).max(axis=1) > 0.1))
+        two = True if contact is None else contact.sum(axis=1) >= 2
+        moving = np.flatnonzero(two & (np.abs(gyro).max(axis=1) > 0.1))
         moving = moving[(moving >= half) & (moving < len(time) - half)]
         if len(moving) == 0:
             moving = np.arange(half, len(time) - half)
         rows = moving[np.linspace(0, len(moving) - 1, min(LOOKED, len(moving))).astype(int)]
         self._robot, self._rows, self._half, self._span = robot, rows, half, 2.0 * half * step
-        self._gyro, self._joints, self._contact = gyro[rows], joints, contact[rows]
+        self._gyro, self._joints = gyro[rows], joints
+        self._contact = None if contact is None else contact[rows]
 
     @property
     def moments(self) -> int:
@@ -40,10 +55,17 @@ class Misfit:
         places = [self._places(self._joints[self._rows + s][:, order]) for s in (-self._half, self._half)]
         middle = 0.5 * (places[0] + places[1])
         velocity = np.cross(share * self._gyro[:, None], middle) + (places[1] - places[0]) / self._span
-        on = self._contact[:, feet][:, :, None]
+        on = self._standing(middle, feet)[:, :, None]
         count = np.maximum(on.sum(axis=1, keepdims=True), 1)
         mean = (velocity * on).sum(axis=1, keepdims=True) / count
         return float(np.sqrt(np.median((((velocity - mean) ** 2) * on).sum(axis=(1, 2)) / count[:, 0, 0])))
+
+    def _standing(self, places: FloatArray, feet: IntArray) -> BoolArray:
+        """Return (rows, n) which feet stand; below the base and not along gravity, for slopes."""
+        if self._contact is not None:
+            return np.asarray(self._contact[:, feet])
+        heights = places[..., 2]
+        return np.asarray(heights <= np.sort(heights, axis=1)[:, 1:2])
 
     def _places(self, joints: FloatArray) -> FloatArray:
         q, out = self._robot.nominal.copy(), np.empty((len(joints), len(self._robot.feet), 3))
