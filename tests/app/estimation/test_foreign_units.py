@@ -54,12 +54,13 @@ def test_degrees_are_told_by_standing_feet_whatever_the_order(order: np.ndarray)
     assert told[0].startswith("turn rates are in degrees per second: in rad/s standing feet would part at ")
 
 
-def test_a_robot_that_stands_and_a_moment_of_one_that_turns_tell_no_unit() -> None:
+def test_a_robot_that_stands_or_is_carried_and_a_moment_of_one_that_turns_tell_no_unit() -> None:
     time, told, still = 0.01 * np.arange(60), list[str](), np.zeros((60, 6))
     noise = 0.01 * np.random.default_rng(0).normal(size=(60, 3))
     few = np.where(np.arange(60)[:, None] % 6 == 0, gyro_of(30.0), 0.0)
-    for gyro in (noise, few):
+    carried = gyro_of(2.0)
+    for gyro, joints in ((noise, still), (few, turned()), (carried, still)):
         given = gyro.copy()
-        assert not turn_by_feet(Misfit(SLIDER, time, gyro, still, BOTH), ORDER, FEET, gyro, told)
+        assert not turn_by_feet(Misfit(SLIDER, time, gyro, joints, BOTH), ORDER, FEET, gyro, told)
         np.testing.assert_array_equal(gyro, given)
     assert not told

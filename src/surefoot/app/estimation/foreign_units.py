@@ -19,9 +19,11 @@ FASTEST = 35.0
 HEAVY = (0.5, 2.0)
 """Mean specific force [g] that is told in g and not in m/s²."""
 DEGREE = float(np.pi / 180.0)
-MOMENTS, APART, NEARER = 20, 0.25, 5.0
-"""Moments that tell a unit of turn rates; how far apart [m/s] standing feet must be by those in rad/s, and
-how many times as far as by those in degrees per second, for the latter to be taken."""
+MOMENTS, STILL = 20, 5e-3
+"""Moments that tell a unit of turn rates, and misfit without any turn [m/s] up to which legs are still."""
+APART, PLAINLY, NEARER = 0.1, 0.25, 5.0
+"""Misfit [m/s] by rates in rad/s from which they may be in degrees per second, and are even where these fit
+no better than none do (in another order of the joints); how many times the misfit by the latter that is."""
 
 
 def in_seconds(log: Log, told: list[str]) -> Log:
@@ -66,8 +68,9 @@ def turn_by_feet(
     """
     if misfit.moments < MOMENTS:
         return False
-    given, small = misfit(order, feet), misfit(order, feet, DEGREE)
-    if not given > max(APART, NEARER * small):
+    given, small, none = (misfit(order, feet, share) for share in (1.0, DEGREE, 0.0))
+    least = APART if small < 0.9 * none else PLAINLY
+    if not (none > STILL and given > max(least, NEARER * small)):
         return False
     gyro *= DEGREE
     told.append(
