@@ -183,6 +183,15 @@ def test_specific_forces_near_one_are_in_g(size: float, factor: float) -> None:
     assert (line in found.told) == (factor > 1.0)
 
 
+@pytest.mark.parametrize(("cosine", "sign"), [(-0.75, 1.0), (-0.85, -1.0), (-1.0, -1.0), (0.9, 1.0)])
+def test_specific_forces_that_point_down_are_of_the_other_sign(cosine: float, sign: float) -> None:
+    force = 9.81 * np.tile([np.sqrt(1.0 - cosine**2), 0.0, cosine], (60, 1))
+    found = read(log_of(turned(), NAMED, imu_acceleration=force))
+    np.testing.assert_allclose(found.accelerometer, sign * force)
+    line = "specific forces point down, as gravity does: their sign is turned"
+    assert (line in found.told) == (sign < 0.0)
+
+
 def test_speeds_that_a_log_lacks_are_differences_of_its_angles() -> None:
     joints = 0.01 * np.arange(60)[:, None] * np.arange(1.0, 7.0)
     found = read(log_of(joints, NAMED))

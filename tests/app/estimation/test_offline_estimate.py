@@ -187,3 +187,54 @@ def test_a_recorded_log_ends_on_the_floor_it_began_on(robot: sf.Robot) -> None:
     found = sf.estimate_state(GO1, robot)
     assert found["trusted"].all()
     assert abs(robot.foot_positions(found["q"][-1])[:, 2].mean() - 0.02) < 0.05
+
+
+def test_rows_that_are_missing_are_bridged_and_a_hole_is_no_longer_trusted(
+    robot: sf.Robot, circle: CircleLog
+) -> None:
+    log = made_log(circle, robot, list(range(12)), [0, 1, 2, 3], named=True)
+    kept = np.random.default_rng(0).random(ROWS) > 0.1
+    kept[[0, ROWS - 1]] = True
+    found = sf.estimate_state(
+        sf.Log({name: array[kept] for name, array in log.arrays.items()}, log.facts), robot
+    )
+    whole = sf.estimate_state(log, robot)
+    for one in (found, whole):
+        off = one["q"][-1, :7] - circle.q[ROWS - 1, :7]
+        assert np.abs(off).max() < 0.05  # a tenth of the turn would be 0.19 rad
+        assert one["trusted"].all()
+    hole = (np.arange(ROWS) < 900) | (np.arange(ROWS) >= 1200)
+    found = sf.estimate_state(
+        sf.Log({name: array[hole] for name, array in log.arrays.items()}, log.facts), robot
+    )
+    assert found["trusted"][:900].all()
+    assert not found["trusted"][900:].any()
+    assert any(f"nothing was recorded for {301 * circle.dt:.2f} s" in one for one in found.facts["computed"])
+
+
+@pytest.mark.parametrize(
+    ("channel", "row", "value", "said"),
+    [
+        ("time", 7, np.nan, "time must grow from row to row, got .* and nan s in rows 6 and 7"),
+        ("time", 7, 0.0, "time must grow from row to row, got .* and 0 s in rows 6 and 7"),
+        ("imu_angular_velocity", 5, np.nan, "needs imu_angular_velocity in every row, got .* in row 5 and 0"),
+        ("imu_acceleration", 5, np.inf, "needs imu_acceleration in every row, got .* in row 5 and 0 others"),
+        ("joint_positions", 0, np.nan, "needs joint_positions in every row, got .* in row 0 and 0 others"),
+    ],
+)
+def test_rows_without_numbers_are_refused_by_their_place(
+    robot: sf.Robot, circle: CircleLog, channel: str, row: int, value: float, said: str
+) -> None:
+    arrays = dict(made_log(circle, robot, list(range(12)), [0, 1, 2, 3], named=True).arrays)
+    arrays[channel] = arrays[channel].copy()
+    arrays[channel][row] = value
+    with pytest.raises(sf.SurefootError, match=said):
+        sf.estimate_state(sf.Log(arrays), robot)
+
+
+def test_logs_of_no_length_are_refused(robot: sf.Robot, circle: CircleLog) -> None:
+    log = made_log(circle, robot, list(range(12)), [0, 1, 2, 3], named=True)
+    for rows in (0, 1, 30):
+        short = sf.Log({name: array[:rows] for name, array in log.arrays.items()}, log.facts)
+        with pytest.raises(sf.SurefootError, match="needs a second of a log"):
+            sf.estimate_state(short, robot)

@@ -110,6 +110,7 @@ def read_foreign(
         np.array(part, dtype=np.float64)
         for part in (log["time"], log["imu_angular_velocity"], log["imu_acceleration"], angles[:, kept])
     )
+    _check_finite({"imu_angular_velocity": gyro, "imu_acceleration": force, "joint_positions": joints})
     units = to_si(gyro, force, joints, told)
     order, feet, _ = _order(log, robot, (time, gyro, joints), contact, names, told)
     joints = joints[:, order]
@@ -124,6 +125,15 @@ def read_foreign(
         if blind := [k for k, foot in enumerate(feet) if refused and refused[foot]]:
             contact[:, blind] = lowest_feet(robot, time, force, joints)[:, blind]
     return ForeignLog(time, gyro, force, joints, speeds, torques, contact, tuple(told))
+
+
+def _check_finite(readings: dict[str, FloatArray]) -> None:
+    for name, array in readings.items():
+        if len(wrong := np.flatnonzero(~np.isfinite(array).all(axis=1))):
+            raise ProblemError(
+                f"a state estimate needs {name} in every row, got {array[wrong[0]]} in row {wrong[0]} "
+                f"and {len(wrong) - 1} others"
+            )
 
 
 def _moving(angles: FloatArray, robot: Robot, told: list[str]) -> IntArray:

@@ -18,6 +18,8 @@ FASTEST = 35.0
 """Largest turn rate [rad/s] of an IMU's range, 2000 °/s: a larger one is in degrees per second."""
 HEAVY = (0.5, 2.0)
 """Mean specific force [g] that is told in g and not in m/s²."""
+TURNED = -0.8
+"""Cosine between the mean specific force and the body's vertical below which its sign is the other one's."""
 DEGREE = float(np.pi / 180.0)
 MOMENTS, STILL = 20, 5e-3
 """Moments that tell a unit of turn rates, and misfit without any turn [m/s] up to which legs are still."""
@@ -55,6 +57,10 @@ def to_si(gyro: FloatArray, force: FloatArray, joints: FloatArray, told: list[st
     if HEAVY[0] < size < HEAVY[1]:
         force *= 9.80665
         told.append(f"specific forces are in g: {size:.2f} in the middle")
+    mean = np.median(force, axis=0)
+    if mean[2] < TURNED * np.linalg.norm(mean):
+        force *= -1.0
+        told.append("specific forces point down, as gravity does: their sign is turned")
     return factor
 
 

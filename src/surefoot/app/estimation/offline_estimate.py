@@ -21,6 +21,8 @@ from surefoot.records.identification.foot_friction import friction_of_walk
 
 BEGIN = 20
 """Rows whose mean specific force tells the tilt at the start."""
+LONGEST_HOLE = 0.1
+"""Time without rows [s] that the last reading bridges; where a robot is after a longer one nobody knows."""
 KEPT = ("torques", "torques_commanded", "foot_sensors", "planned")
 """Channels of the log that are kept, those of joints in the robot's order."""
 
@@ -78,9 +80,8 @@ def estimate_state(
         raise ProblemError(f"a state estimate needs a floating base with feet; {robot.name} has no such")
     clock: list[str] = []
     log = in_seconds(log, clock)
+    _check_time(np.asarray(log["time"], dtype=np.float64))
     given = _read(log, robot)
-    if len(given.time) < 2 * BEGIN or not given.time[-1] - given.time[0] > 0.9:
-        raise ProblemError("a state estimate needs a second of a log, and a time in seconds")
     arrays, doubts = _run_filter(given, robot, FlatTerrain() if ground is None else ground, noise)
     told = [*clock, *given.told, "start: feet in contact stand on the ground, heading and place are zero"]
     if ground is None:
@@ -99,6 +100,19 @@ def estimate_state(
         facts["computed"] = [*told, *map(str, feet), *doubts]
         found = Log(arrays, facts)
     return found
+
+
+def _check_time(time: FloatArray) -> None:
+    """Raise ProblemError unless the (T,) time grows from row to row, for a second."""
+    wrong = np.flatnonzero(~(np.diff(time) > 0.0) | ~np.isfinite(np.diff(time)))
+    if len(time) and len(wrong):
+        row = int(wrong[0])
+        raise ProblemError(
+            f"time must grow from row to row, got {time[row]:g} s and {time[row + 1]:g} s "
+            f"in rows {row} and {row + 1}"
+        )
+    if len(time) < 2 * BEGIN or not time[-1] - time[0] > 0.9:
+        raise ProblemError("a state estimate needs a second of a log, and a time in seconds")
 
 
 def _read(log: Log, robot: Robot) -> ForeignLog:
@@ -122,15 +136,20 @@ def _run_filter(
     q, v = np.empty((rows, robot.model.nq)), np.empty((rows, robot.model.nv))
     innovations, trusted = np.zeros((rows, len(robot.feet))), np.ones(rows, dtype=bool)
     reasons: dict[str, tuple[float, int]] = {}
+    ticks, hole = np.rint((given.time - given.time[0]) / dt).astype(np.int64), ""
+    passed = np.diff(ticks, prepend=0)  # none may pass between two rows of a clock that jitters
     for t in range(rows):
-        if t:
+        if passed[t] * dt > LONGEST_HOLE:
+            hole = hole or f"nothing was recorded for {passed[t] * dt:.2f} s"
+        for _ in range(min(passed[t], max(1, round(LONGEST_HOLE / dt)))):  # rows that are missing
             ekf.predict(given.gyro[t], given.accelerometer[t])
         ekf.update(given.joints[t], given.speeds[t], given.contact[t])
         q[t], v[t] = ekf.q_v()
-        innovations[t], trusted[t] = ekf.filter.distances / 3.0, ekf.trust.good
+        innovations[t], trusted[t] = ekf.filter.distances / 3.0, ekf.trust.good and not hole
         if not trusted[t]:
-            first, count = reasons.get(ekf.trust.reason, (float(given.time[t]), 0))
-            reasons[ekf.trust.reason] = (first, count + 1)
+            reason = hole or ekf.trust.reason
+            first, count = reasons.get(reason, (float(given.time[t]), 0))
+            reasons[reason] = (first, count + 1)
     doubts = [f"doubted from {first:.2f} s on, {n} rows: {why}" for why, (first, n) in reasons.items()]
     return {
         "time": given.time, "q": q, "v": v, "contact_estimated": given.contact, "trusted": trusted,
