@@ -20,6 +20,10 @@ if TYPE_CHECKING:
 def estimate(
     log: Annotated[Path, typer.Argument(help="A log of any format, see docs/logs.md.")],
     robot: Annotated[str, typer.Option(help="A known robot, a .urdf or an .xml (MJCF) file.")] = "go2",
+    terrain: Annotated[
+        str | None,
+        typer.Option(help="Ground ahead of where the log begins: slope:DEG, stairs:HEIGHT,DEPTH, ..."),
+    ] = None,
     out: Annotated[Path, typer.Option(help="Folder in which a new one is made.")] = Path("runs"),
     as_json: options.AsJson = False,
 ) -> int:
@@ -28,12 +32,14 @@ def estimate(
     Order of joints, swapped sides and units are found and told; the new log.npz can be audited.
     """
     from surefoot.app.estimation.offline_estimate import estimate_state
+    from surefoot.mechanics import read_terrain
     from surefoot.records import read_log
 
     check_out(out)
+    ground = None if terrain is None else read_terrain(terrain, "--terrain")
     given = read_log(log)
     require(robot_packages(robot))
-    found = estimate_state(given, load(robot, feet_needed=True))
+    found = estimate_state(given, load(robot, feet_needed=True), ground=ground)
     file = new_run_folder(out, "estimate") / "log.npz"
     found.save(file)
     q, trusted = found["q"], found["trusted"]

@@ -21,6 +21,8 @@ from surefoot.records.identification.foot_friction import friction_of_walk
 
 BEGIN = 20
 """Rows whose mean specific force tells the tilt at the start."""
+STEEP, MOMENTS = 3.0, 400
+"""Slope [deg] from which a floor is not level, whatever legs and IMU disagree about; moments that tell it."""
 LONGEST_HOLE = 0.1
 """Time without rows [s] that the last reading bridges; where a robot is after a longer one nobody knows."""
 KEPT = ("torques", "torques_commanded", "foot_sensors", "planned")
@@ -86,6 +88,7 @@ def estimate_state(
     told = [*clock, *given.told, "start: feet in contact stand on the ground, heading and place are zero"]
     if ground is None:
         told.append("the floor is taken to be level")
+        doubts += _doubt_level(robot, arrays)
     arrays |= {name: np.asarray(log[name]) for name in KEPT[2:] if name in log}
     if given.torques is not None:
         arrays["torques"] = given.torques
@@ -156,6 +159,27 @@ def _run_filter(
         "innovations": innovations, "imu_acceleration": given.accelerometer,
         "imu_angular_velocity": given.gyro,
     }, doubts  # fmt: skip
+
+
+def _doubt_level(robot: Robot, arrays: dict[str, Any]) -> list[str]:
+    """Trust no row where standing feet rise one above another as on a slope; return the reason in a list."""
+    standing, moments = arrays["contact_estimated"], []
+    for row in np.unique(np.linspace(0, len(standing) - 1, MOMENTS).astype(np.int64)):
+        if standing[row].sum() > 1:
+            feet = robot.foot_positions(arrays["q"][row])[standing[row]]
+            moments.append(feet - feet.mean(axis=0))
+    if not moments:
+        return []
+    points = np.concatenate(moments)
+    rise, _, _, spread = np.linalg.lstsq(points[:, :2], points[:, 2], rcond=None)
+    if spread[1] < 0.05 * spread[0]:  # all in a row
+        return []
+    angle = float(np.degrees(np.arctan(np.hypot(*rise))))
+    if angle < STEEP:
+        return []
+    arrays["trusted"] = np.zeros_like(arrays["trusted"])
+    way = float(np.degrees(np.arctan2(rise[1], rise[0])))
+    return [f"doubted throughout: feet stand on a slope of {angle:.1f}° that rises {way:.0f}° left of ahead"]
 
 
 def _start(given: ForeignLog, robot: Robot, ground: Terrain) -> FloatArray:
