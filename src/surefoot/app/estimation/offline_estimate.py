@@ -47,7 +47,8 @@ def estimate_state(
     robot
         Whose log it is, or its name.
     ground
-        Map of the ground; None for a level floor at the height on which the feet stand first.
+        Map of the ground; None for a level floor at the height on which the feet stand first. There no row is
+        trusted if the feet stand on a slope.
     noise
         Beliefs about sensors and feet; None for their defaults.
 
@@ -60,7 +61,8 @@ def estimate_state(
     Raises
     ------
     ProblemError
-        If the log lacks a channel, has fewer than a second, or other joints than the robot.
+        If the log lacks a channel, has fewer than a second, other joints than the robot, a time that does not
+        grow, or readings that are not finite.
 
     Examples
     --------
@@ -108,7 +110,7 @@ def estimate_state(
 def _check_time(time: FloatArray) -> None:
     """Raise ProblemError unless the (T,) time grows from row to row, for a second."""
     wrong = np.flatnonzero(~(np.diff(time) > 0.0) | ~np.isfinite(np.diff(time)))
-    if len(time) and len(wrong):
+    if len(wrong):
         row = int(wrong[0])
         raise ProblemError(
             f"time must grow from row to row, got {time[row]:g} s and {time[row + 1]:g} s "

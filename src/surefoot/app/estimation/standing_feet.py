@@ -52,7 +52,8 @@ class Misfit:
 
     def __call__(self, order: IntArray, feet: IntArray, share: float = 1.0) -> float:
         """Return the root mean square over feet and moments [m/s], with a share of the turn rates."""
-        places = [self._places(self._joints[self._rows + s][:, order]) for s in (-self._half, self._half)]
+        ends = (self._joints[self._rows + s][:, order] for s in (-self._half, self._half))
+        places = [_below_base(self._robot, joints) for joints in ends]
         middle = 0.5 * (places[0] + places[1])
         velocity = np.cross(share * self._gyro[:, None], middle) + (places[1] - places[0]) / self._span
         on = self._standing(middle, feet)[:, :, None]
@@ -67,13 +68,15 @@ class Misfit:
         heights = places[..., 2]
         return np.asarray(heights <= np.sort(heights, axis=1)[:, 1:2])
 
-    def _places(self, joints: FloatArray) -> FloatArray:
-        q, out = self._robot.nominal.copy(), np.empty((len(joints), len(self._robot.feet), 3))
-        q[:3], q[3:7] = 0.0, [0.0, 0.0, 0.0, 1.0]
-        for k, row in enumerate(joints):
-            q[7:] = row
-            out[k] = self._robot.foot_positions(q)
-        return out
+
+def _below_base(robot: Robot, joints: FloatArray) -> FloatArray:
+    """Return where the feet are in base axes (T, n, 3) at joints (T, joints)."""
+    q, out = robot.nominal.copy(), np.empty((len(joints), len(robot.feet), 3))
+    q[:3], q[3:7] = 0.0, [0.0, 0.0, 0.0, 1.0]
+    for k, row in enumerate(joints):
+        q[7:] = row
+        out[k] = robot.foot_positions(q)
+    return out
 
 
 def lowest_feet(robot: Robot, time: FloatArray, force: FloatArray, joints: FloatArray) -> BoolArray:
@@ -82,9 +85,5 @@ def lowest_feet(robot: Robot, time: FloatArray, force: FloatArray, joints: Float
     kernel = np.ones(width) / width
     up = np.stack([np.convolve(force[:, k], kernel, mode="same") for k in range(3)], axis=1)
     up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-9)
-    q, heights = robot.nominal.copy(), np.empty((len(joints), len(robot.feet)))
-    q[:3], q[3:7] = 0.0, [0.0, 0.0, 0.0, 1.0]
-    for t, row in enumerate(joints):
-        q[7:] = row
-        heights[t] = robot.foot_positions(q) @ up[t]
+    heights = (_below_base(robot, joints) @ up[:, :, None])[:, :, 0]
     return np.asarray(heights < heights.min(axis=1, keepdims=True) + 0.01)
